@@ -1,0 +1,61 @@
+//! What can be wrong with a scene, whatever it was made from.
+
+use crate::MAX_PATCHES;
+
+/// A scene that cannot be. File errors are [`crate::file::FileError`], import errors
+/// [`crate::obj::ObjError`]; both can carry one of these.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs)] // the fields are the values the message shows
+pub enum SceneError {
+    #[error("the scene has no surfaces; give at least one triangle")]
+    NoSurfaces,
+    #[error(
+        "material \"{material}\": {channel} reflectance {value} is outside [0, 1); clamp it, for example to 0.99"
+    )]
+    Reflectance {
+        material: String,
+        channel: &'static str,
+        value: f32,
+    },
+    #[error(
+        "material \"{material}\": {channel} emission {value} W/m^2 is not a finite number >= 0"
+    )]
+    Emission {
+        material: String,
+        channel: &'static str,
+        value: f32,
+    },
+    #[error("surface {surface}: coordinate {value} is not finite")]
+    Coordinate { surface: u32, value: f32 },
+    #[error("surface {surface} is degenerate: its area {area:e} m^2 is zero to rounding; drop it")]
+    Degenerate { surface: u32, area: f64 },
+    #[error("surface {surface}: material {material} does not exist, the scene has {count}")]
+    MaterialIndex {
+        surface: u32,
+        material: u32,
+        count: usize,
+    },
+    #[error("surface {surface}: object {object} does not exist, the scene has {count}")]
+    ObjectIndex {
+        surface: u32,
+        object: u32,
+        count: usize,
+    },
+    #[error(
+        "surface {surface}: {bisections} bisections, the limit is {}",
+        crate::bisection::MAX_BISECTIONS
+    )]
+    Bisections { surface: u32, bisections: u32 },
+    #[error(
+        "{patches} patches, the limit is {MAX_PATCHES} (24-bit patch IDs); raise the area threshold"
+    )]
+    TooManyPatches { patches: u64 },
+    #[error(
+        "area threshold {value} m^2 must be a number above 0, or inf to keep each triangle as one patch"
+    )]
+    AreaThreshold { value: f64 },
+    #[error("the solution has {values} irradiances, the scene has {patches} patches")]
+    SolutionLength { values: usize, patches: u32 },
+    #[error("patch {patch}: irradiance {value} W/m^2 is not a finite number >= 0")]
+    Irradiance { patch: u32, value: f32 },
+}

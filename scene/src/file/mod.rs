@@ -1,0 +1,93 @@
+//! The one kind of file: a scene, with or without a solution.
+//!
+//! Any result is a valid input again, and a checkpoint is such a file.
+//!
+//! # Layout
+//! Everything is little-endian. A [`layout::Header`] of 64 bytes, then the table of
+//! [`layout::Section`]s, then the sections themselves, each an array of plain records at an offset
+//! that is a multiple of 16, so that a mapped file can be read in place:
+//!
+//! | section | record | count |
+//! |---|---|---|
+//! | names | JSON: [`layout::Names`] | bytes |
+//! | materials | [`layout::MaterialRecord`] | materials |
+//! | surfaces | [`layout::SurfaceRecord`] | surfaces |
+//! | provenance | JSON: [`crate::Provenance`] | bytes |
+//! | irradiance | 3 f32, W/m^2 | patches |
+//! | unfinished | 3 f32, W/m^2 | patches done |
+//! | unshot | 3 f32, W/m^2 | patches |
+//!
+//! The last four are there when there is a solution (the last two when it has them). The header's
+//! checksum (XXH3, 64 bits) covers every other byte of the file.
+//!
+//! # Safety of what is on disk
+//! Reading checks sizes before allocating anything, and every value before returning it. Writing
+//! goes to a temporary name in the same folder, is synced, and renamed over the old file, so the
+//! name always holds one whole file. [`OutputLock`] keeps a second program from the same name.
+
+mod layout;
+mod lock;
+mod read;
+mod write;
+
+use std::path::{Path, PathBuf};
+
+pub use lock::OutputLock;
+pub use read::{from_bytes, load};
+pub use write::{save, to_bytes, write_atomically};
+
+use crate::SceneError;
+
+/// Why a file could not be read or written.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {fault}", path.display())]
+pub struct FileError {
+    /// The file.
+    pub path: PathBuf,
+    /// What is wrong with it.
+    pub fault: FileFault,
+}
+
+impl FileError {
+    fn new(path: &Path, fault: impl Into<FileFault>) -> Self {
+        Self {
+            path: path.to_owned(),
+            fault: fault.into(),
+        }
+    }
+}
+
+/// What can be wrong with a file.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)] // the fields are the values the message shows
+pub enum FileFault {
+    #[error("cannot {action}: {source}")]
+    Io {
+        action: &'static str,
+        source: std::io::Error,
+    },
+    #[error("the file is empty")]
+    Empty,
+    #[error(
+        "not a radiosity file (it does not start with {:?}); make one with genx",
+        layout::MAGIC_TEXT
+    )]
+    Magic,
+    #[error(
+        "version {found} is not supported, this program reads version {}",
+        layout::VERSION
+    )]
+    Version { found: u32 },
+    #[error("truncated: {found} bytes, expected {expected}")]
+    Truncated { found: u64, expected: u64 },
+    #[error("{extra} bytes follow the end of the file's data")]
+    TrailingBytes { extra: u64 },
+    #[error("damaged: checksum {found:016x}, expected {expected:016x}")]
+    Checksum { found: u64, expected: u64 },
+    #[error("damaged: {what}")]
+    Structure { what: String },
+    #[error("another program is writing this file (it holds {})", lock.display())]
+    Locked { lock: PathBuf },
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+}

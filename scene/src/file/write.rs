@@ -1,0 +1,163 @@
+//! Writing a file so that its name always holds one whole file.
+
+use std::io::Write;
+use std::path::Path;
+
+use bytemuck::Pod;
+use serde::Serialize;
+
+use super::layout::{
+    ALIGNMENT, Header, MAGIC, MaterialRecord, Names, Section, SurfaceRecord, VERSION, kind,
+};
+use super::{FileError, FileFault, read};
+use crate::{Scene, Solution};
+
+/// Writes a scene, with or without a solution, replacing the file at once or not at all.
+pub fn save(path: &Path, scene: &Scene, solution: Option<&Solution>) -> Result<(), FileError> {
+    write_atomically(path, |out| out.write_all(&to_bytes(scene, solution)))
+}
+
+/// Writes to a temporary file beside `path`, syncs it and renames it over `path`.
+///
+/// On any error, and if the process dies, `path` is as it was. The temporary file is removed on
+/// errors; one left by a killed process has a name starting with a dot and ending in `.tmp`.
+pub fn write_atomically(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+) -> Result<(), FileError> {
+    let fail = |action| move |source| FileError::new(path, FileFault::Io { action, source });
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    {
+        // tempfile's default is private to the user; a result is an ordinary file. The umask still applies.
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder
+        .prefix(&format!(".{name}."))
+        .suffix(".tmp")
+        .tempfile_in(folder_of(path))
+        .map_err(fail("write"))?;
+    let mut buffered = std::io::BufWriter::with_capacity(1 << 20, file.as_file_mut());
+    write(&mut buffered)
+        .and_then(|()| buffered.flush())
+        .map_err(fail("write"))?;
+    drop(buffered);
+    file.as_file().sync_all().map_err(fail("sync"))?;
+    file.persist(path)
+        .map_err(|error| error.error)
+        .map_err(fail("replace"))?;
+    // The rename itself must reach the disk too. Not every system can open a folder; the rename
+    // has happened by now, so that is no error.
+    if let Ok(folder) = std::fs::File::open(folder_of(path)) {
+        folder.sync_all().ok();
+    }
+    Ok(())
+}
+
+/// The folder a file is in.
+pub(super) fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+/// The bytes of a file.
+pub fn to_bytes(scene: &Scene, solution: Option<&Solution>) -> Vec<u8> {
+    let names = Names {
+        materials: scene.materials().iter().map(|m| m.name.clone()).collect(),
+        objects: scene.objects().to_vec(),
+    };
+    let materials: Vec<MaterialRecord> = scene
+        .materials()
+        .iter()
+        .map(|m| MaterialRecord {
+            reflectance: m.reflectance.into(),
+            emission: m.emission.into(),
+        })
+        .collect();
+    let surfaces: Vec<SurfaceRecord> = scene
+        .surfaces()
+        .iter()
+        .zip(scene.mesh().trees())
+        .map(|(surface, tree)| SurfaceRecord {
+            corners: surface.corners.map(Into::into),
+            material: surface.material.0,
+            object: surface.object.0,
+            bisections: tree.depth,
+        })
+        .collect();
+
+    let mut file = FileBuilder::default();
+    file.json(kind::NAMES, &names);
+    file.records(kind::MATERIALS, &materials);
+    file.records(kind::SURFACES, &surfaces);
+    if let Some(solution) = solution {
+        file.json(kind::PROVENANCE, &solution.provenance);
+        file.records(kind::IRRADIANCE, &solution.irradiance);
+        if let Some(unfinished) = &solution.unfinished {
+            file.records(kind::UNFINISHED, &unfinished.irradiance);
+        }
+        if let Some(unshot) = &solution.unshot {
+            file.records(kind::UNSHOT, unshot);
+        }
+    }
+    file.finish(scene.origin().into())
+}
+
+/// Sections, each with its bytes, until their offsets are known.
+#[derive(Default)]
+struct FileBuilder {
+    sections: Vec<(Section, Vec<u8>)>,
+}
+
+impl FileBuilder {
+    fn records<T: Pod>(&mut self, kind: u32, records: &[T]) {
+        let section = Section {
+            kind,
+            record_bytes: size_of::<T>() as u32,
+            offset: 0,
+            count: records.len() as u64,
+            reserved: 0,
+        };
+        self.sections
+            .push((section, bytemuck::cast_slice(records).to_vec()));
+    }
+
+    fn json(&mut self, kind: u32, value: &impl Serialize) {
+        // Serialising strings and numbers to memory has no way to fail.
+        self.records(kind, &serde_json::to_vec(value).unwrap_or_default());
+    }
+
+    fn finish(mut self, origin: [f64; 3]) -> Vec<u8> {
+        let aligned = |size: usize| size.next_multiple_of(ALIGNMENT);
+        let mut end = size_of::<Header>() + self.sections.len() * size_of::<Section>();
+        for (section, bytes) in &mut self.sections {
+            section.offset = aligned(end) as u64;
+            end = aligned(end) + bytes.len();
+        }
+        let mut file = vec![0; size_of::<Header>()];
+        file.reserve_exact(end - file.len());
+        for (section, _) in &self.sections {
+            file.extend_from_slice(bytemuck::bytes_of(section));
+        }
+        for (section, bytes) in &self.sections {
+            file.resize(section.offset as usize, 0);
+            file.extend_from_slice(bytes);
+        }
+        let mut header = Header {
+            magic: MAGIC,
+            version: VERSION,
+            section_count: self.sections.len() as u32,
+            file_bytes: file.len() as u64,
+            checksum: 0,
+            origin,
+            reserved: 0,
+        };
+        header.checksum = read::checksum(&header, &file[size_of::<Header>()..]);
+        file[..size_of::<Header>()].copy_from_slice(bytemuck::bytes_of(&header));
+        file
+    }
+}

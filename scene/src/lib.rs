@@ -1,0 +1,28 @@
+//! What a radiosity problem is made of, and how it is kept.
+//!
+//! A [`Scene`] has few *surfaces* (triangles, which occlude) and many *patches* (the unknowns, the
+//! leaves of the surfaces' bisection trees). A [`Solution`] holds the irradiance of each patch.
+//! Both live in one kind of [`file`]; scenes come from [`obj`] files or from models, and results
+//! leave as [`export`]s.
+//!
+//! Lengths are metres, powers W, exitances and irradiances W/m^2, colours linear RGB.
+
+pub mod bisection;
+mod error;
+pub mod export;
+pub mod file;
+mod ids;
+mod material;
+mod mesh;
+pub mod obj;
+mod scene;
+mod solution;
+mod surface;
+
+pub use error::SceneError;
+pub use ids::{MAX_PATCHES, MaterialId, NO_PATCH, ObjectId, PatchId, SurfaceId};
+pub use material::Material;
+pub use mesh::{Mesh, Tree};
+pub use scene::{Patch, Rgb, Scene};
+pub use solution::{Provenance, Solution, Unfinished};
+pub use surface::Surface;

@@ -1,0 +1,244 @@
+//! A scene: materials, objects, surfaces and the mesh of patches over them.
+
+use glam::{DVec3, Vec3};
+
+use crate::{
+    MAX_PATCHES, Material, MaterialId, Mesh, ObjectId, PatchId, SceneError, Surface, SurfaceId,
+    bisection,
+};
+
+/// Linear RGB values: reflectances, or exitances in W/m^2.
+pub type Rgb = Vec3;
+
+/// A valid scene: every index in it exists, every number is finite and in its range.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    materials: Vec<Material>,
+    objects: Vec<String>,
+    surfaces: Vec<Surface>,
+    origin: DVec3,
+    mesh: Mesh,
+}
+
+/// The geometry of one patch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Patch {
+    /// The surface it is part of.
+    pub surface: SurfaceId,
+    /// Corners in metres, relative to the scene's origin, counter-clockwise from the front; its
+    /// reference edge runs from corner 0 to corner 1.
+    pub corners: [Vec3; 3],
+    /// Area, m^2.
+    pub area: f64,
+}
+
+impl Patch {
+    /// Mean of the corners, metres.
+    pub fn centroid(&self) -> DVec3 {
+        self.corners.map(Vec3::as_dvec3).into_iter().sum::<DVec3>() / 3.0
+    }
+}
+
+impl Scene {
+    /// A scene in which each surface is bisected `depths[s]` times.
+    ///
+    /// The corners of each surface are rotated so that its longest side comes first. `origin` is
+    /// what was subtracted from the model's coordinates, metres.
+    pub fn new(
+        materials: Vec<Material>,
+        objects: Vec<String>,
+        surfaces: Vec<Surface>,
+        depths: &[u32],
+        origin: DVec3,
+    ) -> Result<Self, SceneError> {
+        if surfaces.is_empty() {
+            return Err(SceneError::NoSurfaces);
+        }
+        for material in &materials {
+            material.validate()?;
+        }
+        for (index, surface) in surfaces.iter().enumerate() {
+            let index = index as u32;
+            for value in surface.corners.iter().flat_map(Vec3::to_array) {
+                if !value.is_finite() {
+                    return Err(SceneError::Coordinate {
+                        surface: index,
+                        value,
+                    });
+                }
+            }
+            if surface.is_degenerate() {
+                return Err(SceneError::Degenerate {
+                    surface: index,
+                    area: surface.area(),
+                });
+            }
+            if surface.material.index() >= materials.len() {
+                return Err(SceneError::MaterialIndex {
+                    surface: index,
+                    material: surface.material.0,
+                    count: materials.len(),
+                });
+            }
+            if surface.object.index() >= objects.len() {
+                return Err(SceneError::ObjectIndex {
+                    surface: index,
+                    object: surface.object.0,
+                    count: objects.len(),
+                });
+            }
+        }
+        let mesh = Mesh::new(depths)?;
+        let surfaces = surfaces
+            .into_iter()
+            .map(Surface::with_longest_side_first)
+            .collect();
+        Ok(Self {
+            materials,
+            objects,
+            surfaces,
+            origin,
+            mesh,
+        })
+    }
+
+    /// A scene in which each surface is bisected until its patches have at most `max_area`, m^2;
+    /// infinity keeps every surface as one patch.
+    pub fn with_max_area(
+        materials: Vec<Material>,
+        objects: Vec<String>,
+        surfaces: Vec<Surface>,
+        max_area: f64,
+        origin: DVec3,
+    ) -> Result<Self, SceneError> {
+        if max_area.is_nan() || max_area <= 0.0 {
+            return Err(SceneError::AreaThreshold { value: max_area });
+        }
+        let depths: Option<Vec<u32>> = surfaces
+            .iter()
+            .map(|s| bisection::bisections_for(s.area(), max_area))
+            .collect();
+        let Some(depths) = depths else {
+            let patches: f64 = surfaces
+                .iter()
+                .map(|s| (s.area() / max_area).max(1.0))
+                .sum();
+            return Err(SceneError::TooManyPatches {
+                patches: (patches as u64).max(u64::from(MAX_PATCHES) + 1),
+            });
+        };
+        Self::new(materials, objects, surfaces, &depths, origin)
+    }
+
+    /// All materials.
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+
+    /// Names of all objects.
+    pub fn objects(&self) -> &[String] {
+        &self.objects
+    }
+
+    /// All surfaces.
+    pub fn surfaces(&self) -> &[Surface] {
+        &self.surfaces
+    }
+
+    /// What was subtracted from the model's coordinates, metres.
+    pub fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// The patches over the surfaces.
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// Number of patches.
+    pub fn patch_count(&self) -> u32 {
+        self.mesh.patch_count()
+    }
+
+    /// One surface.
+    pub fn surface(&self, surface: SurfaceId) -> &Surface {
+        &self.surfaces[surface.index()]
+    }
+
+    /// One material.
+    pub fn material(&self, material: MaterialId) -> &Material {
+        &self.materials[material.index()]
+    }
+
+    /// Name of one object.
+    pub fn object(&self, object: ObjectId) -> &str {
+        &self.objects[object.index()]
+    }
+
+    /// The material of a patch.
+    pub fn patch_material(&self, patch: PatchId) -> &Material {
+        self.material(self.surface(self.mesh.surface_of(patch)).material)
+    }
+
+    /// The geometry of a patch.
+    pub fn patch(&self, patch: PatchId) -> Patch {
+        let surface = self.mesh.surface_of(patch);
+        let tree = self.mesh.tree(surface);
+        let root = self.surface(surface);
+        let corners = root.corners.map(Vec3::as_dvec3);
+        Patch {
+            surface,
+            corners: bisection::leaf_corners(tree.depth, patch.0 - tree.first_patch.0)
+                .map(|w| (w.x * corners[0] + w.y * corners[1] + w.z * corners[2]).as_vec3()),
+            area: root.area() / f64::from(1_u32 << tree.depth),
+        }
+    }
+
+    /// Areas of all patches, m^2.
+    pub fn patch_areas(&self) -> Vec<f64> {
+        self.per_patch(|surface, leaves| surface.area() / leaves)
+    }
+
+    /// Reflectances of all patches, dimensionless.
+    pub fn patch_reflectances(&self) -> Vec<Rgb> {
+        self.per_patch(|surface, _| self.material(surface.material).reflectance)
+    }
+
+    /// Emissions of all patches, W/m^2.
+    pub fn patch_emissions(&self) -> Vec<Rgb> {
+        self.per_patch(|surface, _| self.material(surface.material).emission)
+    }
+
+    /// One value per patch, the same for all patches of a surface.
+    fn per_patch<T: Clone>(&self, value: impl Fn(&Surface, f64) -> T) -> Vec<T> {
+        let mut values = Vec::with_capacity(self.patch_count() as usize);
+        for (surface, tree) in self.surfaces.iter().zip(self.mesh.trees()) {
+            let leaves = 1_usize << tree.depth;
+            values.extend(std::iter::repeat_n(value(surface, leaves as f64), leaves));
+        }
+        values
+    }
+
+    /// Total area, m^2.
+    pub fn area(&self) -> f64 {
+        self.surfaces.iter().map(Surface::area).sum()
+    }
+
+    /// Emitted power by channel, W.
+    pub fn emitted_power(&self) -> DVec3 {
+        self.surfaces
+            .iter()
+            .map(|s| s.area() * self.material(s.material).emission.as_dvec3())
+            .sum()
+    }
+
+    /// Smallest and largest corner coordinates, metres, relative to the origin.
+    pub fn bounds(&self) -> [Vec3; 2] {
+        self.surfaces
+            .iter()
+            .flat_map(|s| s.corners)
+            .fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], p| {
+                [low.min(p), high.max(p)]
+            })
+    }
+}

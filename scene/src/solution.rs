@@ -1,0 +1,93 @@
+//! A solution: what the solver knows about each patch, and how it came to know it.
+//!
+//! B = E + rho H, for each patch and channel: radiosity B (total exitance), emission E
+//! (self-emitted exitance) and irradiance H, all W/m^2, reflectance rho, dimensionless. The
+//! irradiance is what is stored; the radiosity follows from it.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{Rgb, Scene, SceneError};
+
+/// How a solution was made.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Provenance {
+    /// Name of the solver.
+    pub solver: String,
+    /// The settings that change the result, as text; compared when a run is continued.
+    pub settings: String,
+    /// Iterations the solution has had.
+    pub iterations: u64,
+    /// Relative residual after each of those iterations, dimensionless.
+    pub residuals: Vec<f64>,
+}
+
+/// An iteration that was stopped on its way.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unfinished {
+    /// The next iteration's irradiances of the first patches, W/m^2.
+    pub irradiance: Vec<Rgb>,
+}
+
+/// Irradiances of all patches, and what is needed to go on from them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solution {
+    /// Irradiance H, W/m^2, one per patch.
+    pub irradiance: Vec<Rgb>,
+    /// How it was made.
+    pub provenance: Provenance,
+    /// What an interrupted iteration had reached, if one was.
+    pub unfinished: Option<Unfinished>,
+    /// Unshot radiosity, W/m^2, one per patch; shooting only.
+    pub unshot: Option<Vec<Rgb>>,
+}
+
+impl Solution {
+    /// The start of every solver: no irradiance anywhere.
+    pub fn dark(scene: &Scene) -> Self {
+        Self {
+            irradiance: vec![Rgb::ZERO; scene.patch_count() as usize],
+            provenance: Provenance::default(),
+            unfinished: None,
+            unshot: None,
+        }
+    }
+
+    /// Checks the lengths and that every value is finite and at least 0.
+    pub fn validate(&self, scene: &Scene) -> Result<(), SceneError> {
+        let patches = scene.patch_count();
+        for (values, complete) in [
+            (Some(&self.irradiance), true),
+            (self.unfinished.as_ref().map(|u| &u.irradiance), false),
+            (self.unshot.as_ref(), true),
+        ] {
+            let Some(values) = values else { continue };
+            if values.len() > patches as usize || (complete && values.len() != patches as usize) {
+                return Err(SceneError::SolutionLength {
+                    values: values.len(),
+                    patches,
+                });
+            }
+            for (patch, value) in values.iter().enumerate() {
+                for value in value.to_array() {
+                    if !(value.is_finite() && value >= 0.0) {
+                        return Err(SceneError::Irradiance {
+                            patch: patch as u32,
+                            value,
+                        });
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Radiosities B = E + rho H, W/m^2, one per patch.
+    pub fn radiosity(&self, scene: &Scene) -> Vec<Rgb> {
+        let mut radiosity = scene.patch_emissions();
+        let reflectance = scene.patch_reflectances();
+        for ((b, rho), h) in radiosity.iter_mut().zip(reflectance).zip(&self.irradiance) {
+            *b += rho * *h;
+        }
+        radiosity
+    }
+}
