@@ -1,0 +1,8 @@
+//! The cpu back end: hemicubes drawn on all cores, in plain Rust. The readable twin of [`crate::gpu`].
+
+pub mod item_buffer;
+mod raster;
+mod rows;
+
+pub use raster::{Cull, Projection, Raster, Sample};
+pub use rows::CpuRows;

@@ -1,0 +1,464 @@
+//! Drawing surfaces into a window of pixels, with a depth buffer, and looking patches up.
+//!
+//! # Theory
+//! Let q0, q1, q2 be a triangle's corners relative to the eye. The ray along d meets the
+//! triangle's plane where its barycentric coordinates are in the proportion of
+//! e_k(d) = (q_{k+1} x q_{k+2}) . d, k = 0, 1, 2 (homogeneous rasterisation: Olano and Greer,
+//! "Triangle scan conversion using 2D homogeneous coordinates", Graphics Hardware 1997). It hits
+//! the triangle where all three have the sign of the determinant det(q0, q1, q2), at the depth w
+//! with 1/w = (e_0 + e_1 + e_2) / det. All of these are linear in d, hence in the pixel: there is no
+//! division in a pixel, no clipping and no near plane, and a triangle that passes beside or
+//! behind the eye needs no care. The patch follows from the proportion of the e_k alone,
+//! see [`scene::bisection`].
+//!
+//! # Practice
+//! The vectors are set up once an eye, for all windows, in f64; rows of pixels are f32. Two triangles
+//! that share an edge compute its crossing of a row from the same numbers with opposite signs, so
+//! no pixel between them is missed. Reversed depth: 1/w is kept, 0 is infinitely far.
+
+use fearless_simd::{Level, Simd, dispatch, prelude::*};
+use fearless_simd_macros::simd;
+use glam::DVec3;
+use scene::{Scene, SurfaceId};
+
+use crate::hemicube::{Frame, Window};
+
+/// What is done about the backs of surfaces, which are one-sided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cull {
+    /// They occlude, and are seen as [`Sample::BackFace`].
+    Nothing,
+    /// They are not there.
+    BackFaces,
+}
+
+/// A surface as seen from one eye, in the eye's frame.
+#[derive(Clone, Copy, Debug)]
+struct Projected {
+    /// e_k(d) = edges[k] . d; at least 0 inside, k-th barycentric coordinate up to a factor.
+    edges: [DVec3; 3],
+    /// 1/w = inverse_depth . d, 1/m.
+    inverse_depth: DVec3,
+    corners: [DVec3; 3],
+    surface: SurfaceId,
+    /// Its bisection tree's first patch and depth.
+    first_patch: u32,
+    depth: u32,
+    is_back_face: bool,
+}
+
+/// All surfaces that an eye can see, set up for drawing into any window of its frame.
+#[derive(Clone, Debug, Default)]
+pub struct Projection {
+    surfaces: Vec<Projected>,
+}
+
+/// Coordinates are f32: a point's distance from a plane through others like it is uncertain by some
+/// units in the last place (2^-24 relative) of the largest coordinate; four of them are taken.
+pub fn plane_tolerance(scene: &Scene) -> f64 {
+    let [low, high] = scene.bounds();
+    f64::from(low.abs().max(high.abs()).max_element()) * 4.0 / f64::from(1 << 24)
+}
+
+impl Projection {
+    /// Sets up all surfaces but `own`, which the eye lies on. `tolerance` is
+    /// [`plane_tolerance`]: surfaces at or below the horizon (z = 0 in the frame, if `horizon`) or
+    /// edge-on within it are left out.
+    pub fn set(
+        &mut self,
+        scene: &Scene,
+        frame: &Frame,
+        own: Option<SurfaceId>,
+        horizon: bool,
+        cull: Cull,
+        tolerance: f64,
+    ) {
+        self.surfaces.clear();
+        for (index, surface) in scene.surfaces().iter().enumerate() {
+            let id = SurfaceId(index as u32);
+            if own == Some(id) {
+                continue;
+            }
+            let [q0, q1, q2] = surface.corners.map(|p| frame.to_local(p.as_dvec3()));
+            if horizon && q0.z.max(q1.z).max(q2.z) <= tolerance {
+                continue;
+            }
+            let mut edges = [q1.cross(q2), q2.cross(q0), q0.cross(q1)];
+            // Twice the area times the normal; its product with any corner is the determinant.
+            let normal = (q1 - q0).cross(q2 - q0);
+            let mut determinant = normal.dot(q0);
+            if determinant.abs() <= tolerance * normal.length() {
+                continue;
+            }
+            // The eye is in front of a counter-clockwise triangle when the determinant is negative.
+            let is_back_face = determinant > 0.0;
+            if is_back_face && cull == Cull::BackFaces {
+                continue;
+            }
+            if determinant < 0.0 {
+                edges = edges.map(|edge| -edge);
+                determinant = -determinant;
+            }
+            let tree = scene.mesh().tree(id);
+            self.surfaces.push(Projected {
+                edges,
+                inverse_depth: if is_back_face { normal } else { -normal } / determinant,
+                corners: [q0, q1, q2],
+                surface: id,
+                first_patch: tree.first_patch.0,
+                depth: tree.depth,
+                is_back_face,
+            });
+        }
+    }
+}
+
+/// What a pixel sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sample {
+    /// No surface.
+    Nothing,
+    /// The back of a surface.
+    BackFace(SurfaceId),
+    /// The front of a surface.
+    Front {
+        /// Which.
+        surface: SurfaceId,
+        /// Where on it; they sum to 1.
+        barycentric: [f32; 3],
+        /// Distance along the window's forward direction, metres.
+        depth: f32,
+    },
+}
+
+/// No surface, in the buffer of surfaces.
+const NONE: u32 = u32::MAX;
+
+/// Rows are padded so that the widest vector (16 lanes) can run over their end.
+const PADDING: usize = 16;
+
+/// A window's depth and surface buffers. Kept between pictures to save allocating.
+#[derive(Clone, Debug)]
+pub struct Raster {
+    level: Level,
+    window: Option<Window>,
+    stride: usize,
+    /// 1/w, 1/m; `stride` a row.
+    inverse_depth: Vec<f32>,
+    /// Index into the projection's surfaces, or [`NONE`]; `stride` a row.
+    surface: Vec<u32>,
+    /// One row of patch IDs.
+    row: Vec<u32>,
+}
+
+impl Default for Raster {
+    fn default() -> Self {
+        Self {
+            level: Level::new(),
+            window: None,
+            stride: 0,
+            inverse_depth: Vec::new(),
+            surface: Vec::new(),
+            row: Vec::new(),
+        }
+    }
+}
+
+impl Raster {
+    /// Draws all surfaces of a projection.
+    pub fn draw(&mut self, projection: &Projection, window: &Window) {
+        self.stride = window.width + PADDING;
+        self.window = Some(*window);
+        let pixels = self.stride * window.height;
+        self.inverse_depth.clear();
+        self.inverse_depth.resize(pixels, 0.0);
+        self.surface.clear();
+        self.surface.resize(pixels, NONE);
+        let Self {
+            level,
+            stride,
+            inverse_depth,
+            surface,
+            ..
+        } = self;
+        dispatch!(*level, simd => draw(simd, &projection.surfaces, window, *stride, inverse_depth, surface));
+    }
+
+    /// Hands out the patch IDs of the last picture row by row, with `nothing` and `back_face` for
+    /// pixels that see no patch.
+    pub fn for_each_row(
+        &mut self,
+        projection: &Projection,
+        nothing: u32,
+        back_face: u32,
+        mut take: impl FnMut(usize, &[u32]),
+    ) {
+        let Some(window) = self.window else { return };
+        self.row.resize(self.stride, 0);
+        for j in 0..window.height {
+            let surface = &self.surface[j * self.stride..][..window.width];
+            let row = &mut self.row;
+            dispatch!(self.level, simd => look_up_row(
+                simd, &projection.surfaces, &window, j, surface, row, nothing, back_face
+            ));
+            take(j, &self.row[..window.width]);
+        }
+    }
+
+    /// What pixel (i, j) of the last picture sees.
+    pub fn sample(&self, projection: &Projection, i: usize, j: usize) -> Sample {
+        let index = self.surface[j * self.stride + i];
+        let (Some(window), Some(seen)) = (&self.window, projection.surfaces.get(index as usize))
+        else {
+            return Sample::Nothing;
+        };
+        if seen.is_back_face {
+            return Sample::BackFace(seen.surface);
+        }
+        let direction = window.forward
+            + (window.left + (i as f64 + 0.5) * window.pixel) * window.right
+            + (window.bottom + (j as f64 + 0.5) * window.pixel) * window.up;
+        let [a, b, c] = seen.edges.map(|edge| edge.dot(direction).max(0.0));
+        let sum = a + b + c;
+        Sample::Front {
+            surface: seen.surface,
+            barycentric: [a, b, c].map(|e| (e / sum) as f32),
+            depth: (1.0 / seen.inverse_depth.dot(direction)) as f32,
+        }
+    }
+}
+
+/// Where an edge crosses a row of pixels, in pixels: base + slope * row; and on which side of it
+/// the inside lies.
+#[derive(Clone, Copy)]
+enum Crossing {
+    /// The inside starts there.
+    From { base: f64, slope: f64 },
+    /// The inside ends there.
+    To { base: f64, slope: f64 },
+    /// The edge is parallel to the rows: inside where base + slope * row >= 0.
+    Level { base: f64, slope: f64 },
+}
+
+impl Crossing {
+    /// e at the centre of pixel (i, j) is a i + b j + c.
+    #[inline]
+    fn new([a, b, c]: [f64; 3]) -> Self {
+        let (base, slope) = (-c / a, -b / a);
+        if a > 0.0 {
+            Self::From { base, slope }
+        } else if a < 0.0 {
+            Self::To { base, slope }
+        } else {
+            Self::Level { base: c, slope: b }
+        }
+    }
+}
+
+/// The value v . d, linear over the pixels' centres, as the coefficients of i, of j and of 1.
+#[inline]
+fn over_pixels(v: DVec3, window: &Window) -> [f64; 3] {
+    let (x, y) = (v.dot(window.right), v.dot(window.up));
+    let c = v.dot(window.forward)
+        + x * (window.left + 0.5 * window.pixel)
+        + y * (window.bottom + 0.5 * window.pixel);
+    [x * window.pixel, y * window.pixel, c]
+}
+
+/// The rows a triangle can touch, or `None` where it is outside the window.
+#[inline]
+fn row_range(corners: [DVec3; 3], window: &Window) -> Option<(usize, usize)> {
+    let right = window.left + window.width as f64 * window.pixel;
+    let top = window.bottom + window.height as f64 * window.pixel;
+    let mut outside = [true; 5];
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    let mut all_in_front = true;
+    for q in corners {
+        let (x, y, w) = (q.dot(window.right), q.dot(window.up), q.dot(window.forward));
+        outside[0] &= w <= 0.0;
+        outside[1] &= x < window.left * w;
+        outside[2] &= x > right * w;
+        outside[3] &= y < window.bottom * w;
+        outside[4] &= y > top * w;
+        if w > 0.0 {
+            low = low.min(y / w);
+            high = high.max(y / w);
+        } else {
+            all_in_front = false;
+        }
+    }
+    if outside.contains(&true) {
+        return None;
+    }
+    if !all_in_front {
+        return Some((0, window.height));
+    }
+    // A row more on either side makes up for the division's rounding.
+    let first = ((low - window.bottom) / window.pixel - 1.5).max(0.0) as usize;
+    let end = ((high - window.bottom) / window.pixel + 1.5).max(0.0) as usize;
+    Some((first, end.min(window.height)))
+}
+
+#[simd]
+fn draw<S: Simd>(
+    simd: S,
+    surfaces: &[Projected],
+    window: &Window,
+    stride: usize,
+    inverse_depth: &mut [f32],
+    surface: &mut [u32],
+) {
+    for (index, seen) in surfaces.iter().enumerate() {
+        let Some((first_row, end_row)) = row_range(seen.corners, window) else {
+            continue;
+        };
+        let crossings = seen
+            .edges
+            .map(|edge| Crossing::new(over_pixels(edge, window)));
+        let [depth_i, depth_j, depth_1] = over_pixels(seen.inverse_depth, window);
+        for j in first_row..end_row {
+            let row = j as f64;
+            let (mut low, mut high) = (0.0_f64, window.width as f64 - 1.0);
+            for crossing in crossings {
+                match crossing {
+                    Crossing::From { base, slope } => low = low.max(base + slope * row),
+                    Crossing::To { base, slope } => high = high.min(base + slope * row),
+                    Crossing::Level { base, slope } => {
+                        if base + slope * row < 0.0 {
+                            high = -1.0;
+                        }
+                    }
+                }
+            }
+            let low = low.ceil();
+            // Negated: a NaN draws nothing.
+            if low > high || high.is_nan() {
+                continue;
+            }
+            let first = low as usize;
+            let count = high as usize + 1 - first;
+            let start = j * stride + first;
+            let padded = start..start + count.next_multiple_of(PADDING);
+            fill(
+                simd,
+                &mut inverse_depth[padded.clone()],
+                &mut surface[padded],
+                count,
+                (depth_i * low + (depth_j * row + depth_1)) as f32,
+                depth_i as f32,
+                index as u32,
+            );
+        }
+    }
+}
+
+/// Draws one span: where it is nearer than what is there, its depth and index replace it.
+#[simd]
+fn fill<S: Simd>(
+    simd: S,
+    inverse_depth: &mut [f32],
+    surface: &mut [u32],
+    count: usize,
+    base: f32,
+    step: f32,
+    index: u32,
+) {
+    let lanes = S::f32s::LEN;
+    let iota = S::f32s::from_fn(simd, |lane| lane as f32);
+    let (step_v, base_v) = (S::f32s::splat(simd, step), S::f32s::splat(simd, base));
+    let count_v = S::f32s::splat(simd, count as f32);
+    let index_v = S::u32s::splat(simd, index);
+    let depths = inverse_depth.chunks_exact_mut(lanes);
+    let surfaces = surface.chunks_exact_mut(lanes);
+    for (k, (old_depth, old_surface)) in depths.zip(surfaces).enumerate() {
+        if k * lanes >= count {
+            break;
+        }
+        let offset = iota + (k * lanes) as f32;
+        let depth = base_v + step_v * offset;
+        let before = S::f32s::from_slice(simd, old_depth);
+        let nearer = depth.simd_gt(before) & offset.simd_lt(count_v);
+        nearer.select(depth, before).store_slice(old_depth);
+        let before = S::u32s::from_slice(simd, old_surface);
+        nearer.select(index_v, before).store_slice(old_surface);
+    }
+}
+
+/// Patch IDs of row j.
+#[simd]
+#[allow(clippy::too_many_arguments)] // one call site, within this file
+fn look_up_row<S: Simd>(
+    simd: S,
+    surfaces: &[Projected],
+    window: &Window,
+    j: usize,
+    surface: &[u32],
+    ids: &mut [u32],
+    nothing: u32,
+    back_face: u32,
+) {
+    let mut start = 0;
+    while start < surface.len() {
+        let index = surface[start];
+        let mut end = start + 1;
+        while end < surface.len() && surface[end] == index {
+            end += 1;
+        }
+        if index == NONE {
+            ids[start..end].fill(nothing);
+        } else {
+            let seen = &surfaces[index as usize];
+            if seen.is_back_face {
+                ids[start..end].fill(back_face);
+            } else if seen.depth == 0 {
+                ids[start..end].fill(seen.first_patch);
+            } else {
+                let values = seen.edges.map(|edge| {
+                    let [a, b, c] = over_pixels(edge, window);
+                    ((a * start as f64 + (b * j as f64 + c)) as f32, a as f32)
+                });
+                let ids = &mut ids[start..start + (end - start).next_multiple_of(PADDING)];
+                look_up_run(simd, values, seen.depth, seen.first_patch, end - start, ids);
+            }
+        }
+        start = end;
+    }
+}
+
+/// Patch IDs of a run of pixels of one surface: the walk down of [`scene::bisection::locate`], all
+/// lanes together. `values` are e_k at the first pixel and its step from pixel to pixel.
+#[simd]
+fn look_up_run<S: Simd>(
+    simd: S,
+    values: [(f32, f32); 3],
+    depth: u32,
+    first_patch: u32,
+    count: usize,
+    ids: &mut [u32],
+) {
+    let lanes = S::f32s::LEN;
+    let iota = S::f32s::from_fn(simd, |lane| lane as f32);
+    let one = S::u32s::splat(simd, 1);
+    let zero = S::u32s::splat(simd, 0);
+    for (k, ids) in ids.chunks_exact_mut(lanes).enumerate() {
+        if k * lanes >= count {
+            break;
+        }
+        let offset = iota + (k * lanes) as f32;
+        let at = |(base, step): (f32, f32)| {
+            S::f32s::splat(simd, base) + S::f32s::splat(simd, step) * offset
+        };
+        let [mut a, mut b, mut c] = [at(values[0]), at(values[1]), at(values[2])];
+        let mut code = zero;
+        for _ in 0..depth {
+            let second = a.simd_lt(b);
+            let difference = (a - b).abs();
+            let least = a.min(b);
+            a = second.select(c, difference);
+            b = second.select(difference, c);
+            c = least + least;
+            code = (code + code) | second.select(one, zero);
+        }
+        (code + first_patch).store_slice(ids);
+    }
+}

@@ -1,0 +1,205 @@
+//! Form factor rows from hemicubes drawn on the CPU.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+use scene::{PatchId, Scene};
+
+use super::item_buffer::HemicubeDrawer;
+use crate::delta_form_factors::DeltaFormFactors;
+use crate::hemicube;
+use crate::rows::{BackendError, Entry, RowBatch, RowSource, Unseen};
+use crate::settings::{FormFactorSettings, Points};
+
+/// The cpu back end.
+#[derive(Debug)]
+pub struct CpuRows<'a> {
+    scene: &'a Scene,
+    points: Points,
+    delta_form_factors: DeltaFormFactors,
+    pool: rayon::ThreadPool,
+}
+
+impl<'a> CpuRows<'a> {
+    /// A back end with this many threads; `None`: one for each core.
+    pub fn new(
+        scene: &'a Scene,
+        settings: FormFactorSettings,
+        threads: Option<usize>,
+    ) -> Result<Self, BackendError> {
+        Ok(Self {
+            scene,
+            points: settings.points,
+            delta_form_factors: DeltaFormFactors::new(
+                settings.maps,
+                settings.resolution,
+                settings.units_per_hemicube(),
+            ),
+            pool: rayon::ThreadPoolBuilder::new()
+                .num_threads(threads.unwrap_or(0))
+                .build()?,
+        })
+    }
+}
+
+impl RowSource for CpuRows<'_> {
+    fn draw_rows(&mut self, patches: Range<u32>) -> Result<RowBatch, BackendError> {
+        let first = patches.start;
+        let Self {
+            scene,
+            points,
+            delta_form_factors,
+            pool,
+        } = &*self;
+        // Consecutive patches share a drawer, so that a batch costs a few allocations a thread.
+        let pieces: Vec<RowBatch> = pool.install(|| {
+            patches
+                .collect::<Vec<_>>()
+                .par_chunks(16)
+                .map_init(
+                    || RowDrawer::new(scene, *points, delta_form_factors),
+                    |drawer, patches| drawer.rows(patches),
+                )
+                .collect()
+        });
+        let mut batch = RowBatch::new(first);
+        for piece in &pieces {
+            for k in 0..piece.patches().len() {
+                batch.push(piece.row(k), piece.unseen(k));
+            }
+        }
+        Ok(batch)
+    }
+
+    fn preferred_batch(&self) -> u32 {
+        // Enough for all threads to be busy, and few enough that an interrupt is answered soon.
+        64 * self.pool.current_num_threads() as u32
+    }
+
+    fn describe(&self) -> String {
+        let threads = self.pool.current_num_threads();
+        format!(
+            "cpu, {threads} thread{}",
+            if threads == 1 { "" } else { "s" }
+        )
+    }
+}
+
+/// Draws rows one after the other, for one thread.
+#[derive(Debug)]
+pub struct RowDrawer<'a> {
+    scene: &'a Scene,
+    points: Points,
+    delta_form_factors: &'a DeltaFormFactors,
+    hemicubes: HemicubeDrawer<'a>,
+    merger: Merger,
+    row: Vec<Entry>,
+}
+
+impl<'a> RowDrawer<'a> {
+    /// A drawer of rows.
+    pub fn new(scene: &'a Scene, points: Points, factors: &'a DeltaFormFactors) -> Self {
+        Self {
+            scene,
+            points,
+            delta_form_factors: factors,
+            hemicubes: HemicubeDrawer::new(scene, factors.resolution()),
+            merger: Merger::new(scene.patch_count()),
+            row: Vec::new(),
+        }
+    }
+
+    /// The row of one patch.
+    pub fn row(&mut self, patch: PatchId) -> (&[Entry], Unseen) {
+        let size = self.delta_form_factors.resolution() as usize;
+        let (nothing, back_face) = (self.merger.nothing(), self.merger.back_face());
+        for frame in hemicube::frames(self.scene, patch, self.points) {
+            self.hemicubes
+                .draw(patch, &frame, nothing, back_face, |face, j, ids| {
+                    self.merger
+                        .add(ids, &self.delta_form_factors.face(face)[j * size..][..size]);
+                });
+        }
+        self.row.clear();
+        let unseen = self.merger.take(&mut self.row);
+        (&self.row, unseen)
+    }
+
+    fn rows(&mut self, patches: &[u32]) -> RowBatch {
+        let mut batch = RowBatch::new(patches[0]);
+        for &patch in patches {
+            let (row, unseen) = self.row(PatchId(patch));
+            batch.push(row, unseen);
+        }
+        batch
+    }
+}
+
+/// Sums delta form factors by patch, without hashing: a sum for each patch, and a bit for each that
+/// was touched, by which the sums are found again in patch order.
+#[derive(Debug)]
+struct Merger {
+    /// One per patch, then one for nothing and one for back faces.
+    units: Vec<u32>,
+    /// A bit for each of `units`.
+    touched: Vec<u64>,
+}
+
+impl Merger {
+    fn new(patch_count: u32) -> Self {
+        let slots = patch_count as usize + 2;
+        Self {
+            units: vec![0; slots],
+            touched: vec![0; slots.div_ceil(64)],
+        }
+    }
+
+    fn nothing(&self) -> u32 {
+        self.units.len() as u32 - 2
+    }
+
+    fn back_face(&self) -> u32 {
+        self.units.len() as u32 - 1
+    }
+
+    #[inline]
+    fn add(&mut self, ids: &[u32], delta_form_factors: &[u32]) {
+        let Some(&first) = ids.first() else { return };
+        let (mut patch, mut sum) = (first, 0);
+        for (&id, &units) in ids.iter().zip(delta_form_factors) {
+            if id != patch {
+                self.add_run(patch, sum);
+                (patch, sum) = (id, 0);
+            }
+            sum += units;
+        }
+        self.add_run(patch, sum);
+    }
+
+    #[inline]
+    fn add_run(&mut self, patch: u32, units: u32) {
+        self.units[patch as usize] += units;
+        self.touched[patch as usize / 64] |= 1 << (patch % 64);
+    }
+
+    /// Hands out the non-zero sums in patch order and starts anew.
+    fn take(&mut self, row: &mut Vec<Entry>) -> Unseen {
+        let (nothing, back_face) = (self.nothing(), self.back_face());
+        let mut unseen = Unseen::default();
+        for (k, word) in self.touched.iter_mut().enumerate() {
+            while *word != 0 {
+                let patch = k as u32 * 64 + word.trailing_zeros();
+                *word &= *word - 1;
+                let units = std::mem::take(&mut self.units[patch as usize]);
+                if patch == nothing {
+                    unseen.open = units;
+                } else if patch == back_face {
+                    unseen.back_face = units;
+                } else if units != 0 {
+                    row.push(Entry { patch, units });
+                }
+            }
+        }
+        unseen
+    }
+}

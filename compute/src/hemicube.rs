@@ -1,0 +1,153 @@
+//! The hemicube over a point of a patch: its frame, its five faces, its pixels.
+//!
+//! # Theory
+//! Half a cube of edge 2 stands over the point with its axis along the patch's normal (Cohen and
+//! Greenberg, "The hemi-cube: a radiosity solution for complex environments", SIGGRAPH 1985). A
+//! full face on top and four half faces at the sides are cut into square pixels. In the frame
+//! (tangent, bitangent, normal) a pixel of the top face sits at (x, y, 1), one of a side face at
+//! (1, y, z), turned about the normal by a multiple of 90 degrees.
+//!
+//! # Practice
+//! A hemicube of resolution R has R x R pixels on top and R x R/2 on each side. They are kept as
+//! one picture of width R and height 3R: the top face, then the sides towards +tangent,
+//! +bitangent, -tangent and -bitangent; the rows of a side run from the horizon up.
+
+use glam::DVec3;
+use scene::Patch;
+
+use crate::settings::Points;
+
+/// The largest resolution, pixels along a face.
+pub const MAX_RESOLUTION: u32 = 4096;
+
+/// An orthonormal right-handed frame at a point of a patch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// The eye, metres, relative to the scene's origin.
+    pub position: DVec3,
+    /// Unit vector along the patch's reference edge.
+    pub tangent: DVec3,
+    /// normal x tangent.
+    pub bitangent: DVec3,
+    /// Unit normal of the patch.
+    pub normal: DVec3,
+}
+
+impl Frame {
+    /// A frame at `position` on a patch.
+    ///
+    /// The tangent follows the patch's own edge, so that results do not depend on how the model is
+    /// turned in its coordinates.
+    pub fn on_patch(patch: &Patch, normal: DVec3, position: DVec3) -> Self {
+        let [p0, p1, _] = patch.corners.map(|p| p.as_dvec3());
+        let along = p1 - p0;
+        let tangent = (along - along.dot(normal) * normal).normalize();
+        Self {
+            position,
+            tangent,
+            bitangent: normal.cross(tangent),
+            normal,
+        }
+    }
+
+    /// A point in this frame: along tangent, bitangent and normal, metres.
+    #[inline]
+    pub fn to_local(&self, point: DVec3) -> DVec3 {
+        let offset = point - self.position;
+        DVec3::new(
+            offset.dot(self.tangent),
+            offset.dot(self.bitangent),
+            offset.dot(self.normal),
+        )
+    }
+}
+
+/// Share of the way to the centroid by which points at a patch's corners are drawn in, so that they
+/// lie on the patch and not in the plane of the wall that meets it there.
+const CORNER_INSET: f64 = 1.0 / 64.0;
+
+/// The frames of all hemicubes that a patch's form factors are averaged over.
+pub fn frames(scene: &scene::Scene, patch: scene::PatchId, points: Points) -> Vec<Frame> {
+    let geometry = scene.patch(patch);
+    let normal = scene.surface(geometry.surface).normal();
+    let at = |position| Frame::on_patch(&geometry, normal, position);
+    let [p0, p1, p2] = geometry.corners.map(|p| p.as_dvec3());
+    match points {
+        Points::Vertices => {
+            let centroid = geometry.centroid();
+            [p0, p1, p2]
+                .map(|p| at(p.lerp(centroid, CORNER_INSET)))
+                .into()
+        }
+        Points::Bisected { bisections } => (0..1 << bisections)
+            .map(|code| {
+                let centroid: DVec3 = scene::bisection::leaf_corners(bisections, code)
+                    .into_iter()
+                    .sum::<DVec3>()
+                    / 3.0;
+                at(centroid.x * p0 + centroid.y * p1 + centroid.z * p2)
+            })
+            .collect(),
+    }
+}
+
+/// One face as a picture: rays through the centres of square pixels, in the hemicube's frame.
+///
+/// Pixel (i, j) looks along `forward + x right + y up` with x = left + (i + 1/2) pixel and
+/// y = bottom + (j + 1/2) pixel. Also used for cameras.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// Unit vector, direction of growing i.
+    pub right: DVec3,
+    /// Unit vector, direction of growing j.
+    pub up: DVec3,
+    /// Unit vector into the picture.
+    pub forward: DVec3,
+    /// Edge of the first column on the plane at distance 1, dimensionless.
+    pub left: f64,
+    /// Edge of the first row on the plane at distance 1, dimensionless.
+    pub bottom: f64,
+    /// Side of a pixel on the plane at distance 1, dimensionless.
+    pub pixel: f64,
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+}
+
+/// The five faces of a hemicube of resolution R: top, +tangent, +bitangent, -tangent, -bitangent.
+pub fn windows(resolution: u32) -> [Window; 5] {
+    let size = resolution as usize;
+    let pixel = 2.0 / f64::from(resolution);
+    let side = |forward: DVec3| Window {
+        right: DVec3::Z.cross(forward),
+        up: DVec3::Z,
+        forward,
+        left: -1.0,
+        bottom: 0.0,
+        pixel,
+        width: size,
+        height: size / 2,
+    };
+    [
+        Window {
+            right: DVec3::X,
+            up: DVec3::Y,
+            forward: DVec3::Z,
+            left: -1.0,
+            bottom: -1.0,
+            pixel,
+            width: size,
+            height: size,
+        },
+        side(DVec3::X),
+        side(DVec3::Y),
+        side(-DVec3::X),
+        side(-DVec3::Y),
+    ]
+}
+
+/// Pixels of a whole hemicube: 3 R^2.
+pub fn pixel_count(resolution: u32) -> usize {
+    3 * resolution as usize * resolution as usize
+}

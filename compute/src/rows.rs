@@ -1,0 +1,116 @@
+//! Form factor rows: F_ij of some patches i to all patches j.
+//!
+//! F_ij = units / units_per_one, the fraction of the power leaving patch i that arrives at patch
+//! j. Only non-zero entries are kept, in patch order. Geometry alone decides them.
+
+use std::ops::Range;
+
+/// One non-zero form factor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Entry {
+    /// The patch j that receives.
+    pub patch: u32,
+    /// F_ij in units of 1/`units_per_one`.
+    pub units: u32,
+}
+
+/// What of a hemisphere is not seen as a patch's front, in units of 1/`units_per_one`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Unseen {
+    /// Share that sees nothing: an opening.
+    pub open: u32,
+    /// Share that sees back faces: a leak, or wrong winding.
+    pub back_face: u32,
+}
+
+/// Rows of consecutive patches.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RowBatch {
+    first_patch: u32,
+    /// Where each row ends in `entries`, one per row.
+    ends: Vec<usize>,
+    entries: Vec<Entry>,
+    /// One per row.
+    unseen: Vec<Unseen>,
+}
+
+impl RowBatch {
+    /// A batch without rows, whose first will be that of `first_patch`.
+    pub fn new(first_patch: u32) -> Self {
+        Self {
+            first_patch,
+            ends: Vec::new(),
+            entries: Vec::new(),
+            unseen: Vec::new(),
+        }
+    }
+
+    /// Adds the next patch's row; its entries are in patch order.
+    pub fn push(&mut self, row: &[Entry], unseen: Unseen) {
+        self.entries.extend_from_slice(row);
+        self.ends.push(self.entries.len());
+        self.unseen.push(unseen);
+    }
+
+    /// Gives back the memory that growing took in advance.
+    pub fn shrink(&mut self) {
+        self.entries.shrink_to_fit();
+        self.ends.shrink_to_fit();
+        self.unseen.shrink_to_fit();
+    }
+
+    /// The patches whose rows these are.
+    pub fn patches(&self) -> Range<u32> {
+        self.first_patch..self.first_patch + self.ends.len() as u32
+    }
+
+    /// The row of the batch's k-th patch.
+    pub fn row(&self, k: usize) -> &[Entry] {
+        let start = if k == 0 { 0 } else { self.ends[k - 1] };
+        &self.entries[start..self.ends[k]]
+    }
+
+    /// What the batch's k-th patch does not see as patches.
+    pub fn unseen(&self, k: usize) -> Unseen {
+        self.unseen[k]
+    }
+
+    /// Memory it takes, bytes.
+    pub fn bytes(&self) -> u64 {
+        (size_of::<Self>()
+            + self.entries.capacity() * size_of::<Entry>()
+            + self.ends.capacity() * size_of::<usize>()
+            + self.unseen.capacity() * size_of::<Unseen>()) as u64
+    }
+}
+
+/// Something that draws hemicubes and makes form factor rows of them: a back end.
+pub trait RowSource: Send {
+    /// Draws the rows of consecutive patches, which all exist.
+    fn draw_rows(&mut self, patches: Range<u32>) -> Result<RowBatch, BackendError>;
+
+    /// How many patches it likes to be asked for at a time.
+    fn preferred_batch(&self) -> u32;
+
+    /// What it is, for people: "cpu, 2 threads" or an adapter's name.
+    fn describe(&self) -> String;
+}
+
+/// Why a back end cannot go on.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)] // the fields are the values the message shows
+pub enum BackendError {
+    #[error(
+        "no GPU adapter was found; install a Vulkan driver (Mesa's software one will do) or use --backend cpu"
+    )]
+    NoAdapter,
+    #[error("adapter \"{adapter}\": {what}; use --backend cpu")]
+    Unsuitable { adapter: String, what: String },
+    #[error(
+        "the GPU device was lost ({what}); continue from the checkpoint, if need be with --backend cpu"
+    )]
+    DeviceLost { what: String },
+    #[error("the threads could not be started: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+}

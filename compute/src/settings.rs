@@ -1,0 +1,142 @@
+//! What a run is asked to do: plain, checked values, whatever they were given as.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use serde::Serialize;
+
+/// Where on a patch its hemicubes stand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Points {
+    /// At the centroids of the 2^bisections triangles the patch's own bisection makes; 0 is the
+    /// patch's centroid.
+    Bisected {
+        /// At most [`Points::MAX_BISECTIONS`].
+        bisections: u32,
+    },
+    /// At the three corners, drawn in a little; the thesis's smoother variant.
+    Vertices,
+}
+
+impl Points {
+    /// The patch's centroid.
+    pub const CENTROID: Self = Self::Bisected { bisections: 0 };
+    /// More points would leave too few units to a delta form factor.
+    pub const MAX_BISECTIONS: u32 = 10;
+
+    /// Hemicubes a patch.
+    pub fn count(self) -> u32 {
+        match self {
+            Self::Bisected { bisections } => 1 << bisections,
+            Self::Vertices => 3,
+        }
+    }
+}
+
+impl std::fmt::Display for Points {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match *self {
+            Self::CENTROID => f.write_str("centroid"),
+            Self::Bisected { bisections } => write!(f, "{}", 1_u32 << bisections),
+            Self::Vertices => f.write_str("vertices"),
+        }
+    }
+}
+
+/// Which multipliers the pixels have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Maps {
+    /// Exact integrals over the pixels.
+    Exact,
+    /// The thesis's, for comparison.
+    Thesis,
+}
+
+/// Which back end draws the hemicubes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum BackendChoice {
+    /// The GPU where there is a real one, else the CPU.
+    Auto,
+    /// The CPU.
+    Cpu,
+    /// Any wgpu adapter, a software one too.
+    Gpu,
+}
+
+/// How the radiosity equation is solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SolverChoice {
+    /// Every patch gathers the last iteration's radiosities.
+    Jacobi,
+    /// Every patch gathers the newest radiosities.
+    GaussSeidel,
+    /// The patch with the most unshot power shoots.
+    Shooting,
+}
+
+impl std::fmt::Display for SolverChoice {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Jacobi => "jacobi",
+            Self::GaussSeidel => "gauss-seidel",
+            Self::Shooting => "shooting",
+        })
+    }
+}
+
+/// What decides the form factors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FormFactorSettings {
+    /// Pixels along a hemicube's face: even, 2 to 4096.
+    pub resolution: u32,
+    /// The pixels' multipliers.
+    pub maps: Maps,
+    /// Where a patch's hemicubes stand.
+    pub points: Points,
+}
+
+impl FormFactorSettings {
+    /// Units of one hemicube: the most for which a whole row fits 32 bits.
+    pub fn units_per_hemicube(&self) -> u32 {
+        u32::MAX / self.points.count()
+    }
+
+    /// Units of a form factor of 1.
+    pub fn units_per_one(&self) -> u32 {
+        self.units_per_hemicube() * self.points.count()
+    }
+}
+
+/// Everything `compute` is asked to do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// The scene, with or without a solution to go on from.
+    pub input: PathBuf,
+    /// Where the solution goes; may be `input`.
+    pub output: PathBuf,
+    /// What decides the form factors.
+    pub form_factors: FormFactorSettings,
+    /// Who draws.
+    pub backend: BackendChoice,
+    /// Who solves.
+    pub solver: SolverChoice,
+    /// Stop after this many iterations, those of a continued file included.
+    pub max_iterations: Option<u64>,
+    /// Stop at this relative residual.
+    pub tolerance: f64,
+    /// Stop after this long.
+    pub time_limit: Option<Duration>,
+    /// Write a checkpoint this often.
+    pub checkpoint_every: Duration,
+    /// Threads of the CPU; `None`: one for each core.
+    pub threads: Option<usize>,
+    /// What cached form factor rows may take, bytes.
+    pub memory_bytes: u64,
+    /// Where the report goes.
+    pub report: Option<PathBuf>,
+    /// Where the form factors go.
+    pub form_factors_csv: Option<PathBuf>,
+}
