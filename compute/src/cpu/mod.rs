@@ -4,5 +4,5 @@ pub mod item_buffer;
 mod raster;
 mod rows;
 
-pub use raster::{Cull, Projection, Raster, Sample};
+pub use raster::{Cull, Projection, Raster, Sample, plane_tolerance};
 pub use rows::CpuRows;

@@ -23,6 +23,16 @@ use scene::{Scene, SurfaceId};
 
 use crate::hemicube::{Frame, Window};
 
+/// Back faces are drawn this much too deep, so that a pixel on the silhouette of a solid, where a
+/// front and a back face meet at equal depth, sees the front: well above the rounding of an f32
+/// depth (2^-24) and of its steps along a row, well below any wall's thickness.
+const BACK_FACE_RETREAT: f64 = 1.0 - 1.0 / (1 << 19) as f64;
+
+/// Front faces are drawn this much too large, in pixels, so that a ray through an edge or a corner
+/// meets a front whatever the rounding, where surfaces only touch (T-junctions) too: above the f64
+/// rounding of a crossing, 2^-53 times some thousands of pixels, and far below a pixel.
+const FRONT_FACE_OUTSET: f64 = 1e-9;
+
 /// What is done about the backs of surfaces, which are one-sided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cull {
@@ -102,7 +112,11 @@ impl Projection {
             let tree = scene.mesh().tree(id);
             self.surfaces.push(Projected {
                 edges,
-                inverse_depth: if is_back_face { normal } else { -normal } / determinant,
+                inverse_depth: if is_back_face {
+                    BACK_FACE_RETREAT * normal
+                } else {
+                    -normal
+                } / determinant,
                 corners: [q0, q1, q2],
                 surface: id,
                 first_patch: tree.first_patch.0,
@@ -241,9 +255,10 @@ enum Crossing {
 }
 
 impl Crossing {
-    /// e at the centre of pixel (i, j) is a i + b j + c.
+    /// e at the centre of pixel (i, j) is a i + b j + c; the edge is moved outwards by `outset` pixels.
     #[inline]
-    fn new([a, b, c]: [f64; 3]) -> Self {
+    fn new([a, b, c]: [f64; 3], outset: f64) -> Self {
+        let c = c + outset * (a.abs() + b.abs());
         let (base, slope) = (-c / a, -b / a);
         if a > 0.0 {
             Self::From { base, slope }
@@ -312,9 +327,14 @@ fn draw<S: Simd>(
         let Some((first_row, end_row)) = row_range(seen.corners, window) else {
             continue;
         };
+        let outset = if seen.is_back_face {
+            0.0
+        } else {
+            FRONT_FACE_OUTSET
+        };
         let crossings = seen
             .edges
-            .map(|edge| Crossing::new(over_pixels(edge, window)));
+            .map(|edge| Crossing::new(over_pixels(edge, window), outset));
         let [depth_i, depth_j, depth_1] = over_pixels(seen.inverse_depth, window);
         for j in first_row..end_row {
             let row = j as f64;

@@ -1,0 +1,33 @@
+//! The gpu back end: hemicubes drawn and summed by wgpu, headless, on any adapter. The fast twin of
+//! [`crate::cpu`].
+//!
+//! # Theory
+//! As in [`crate::cpu`]: surfaces are drawn, patches are looked up, and the delta form factors of the
+//! pixels that see a patch are summed as integers. Integer sums do not depend on their order, so
+//! rows have the same bits as the cpu's wherever the item buffers agree.
+//!
+//! # Practice
+//! The picture of a hemicube (width R, height 3R) is cut into three square *tiles*: the top face,
+//! then two half faces each. Tiles of many hemicubes fill one atlas, are drawn by one render pass
+//! ([`item_buffer`]), and are then summed by patch on the device ([`merger`]); only the non-zero
+//! form factors are read back ([`rows`]). Tiles, not hemicubes, are what a submission is measured
+//! in, so that the same code serves thousands of 100 x 100 hemicubes in a submission, one of
+//! 4096 x 4096 in several, and a row of a thousand hemicubes.
+//!
+//! Submissions are timed, and their size follows, so that none comes near a driver's watchdog.
+//! No wgpu error panics: see [`adapter`].
+//!
+//! # Differences
+//! The cpu sets surfaces up in f64; here it is f32, relative to the eye and in the scene's axes. Where
+//! a pixel's ray passes an edge (of a surface or of a patch) within rounding, or within the 1/256 of
+//! a pixel to which GPUs snap corners, the two may see different patches. What lies below the
+//! horizon is left out by the host, in f64, with the cpu's tolerance.
+
+pub mod adapter;
+pub mod item_buffer;
+pub mod merger;
+pub mod rows;
+pub mod structs;
+
+pub use adapter::AdapterChoice;
+pub use rows::GpuRows;
