@@ -1,0 +1,146 @@
+//! The command line, turned into settings.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use clap::error::ErrorKind;
+use clap::{CommandFactory, Parser};
+use genx::{Model, Settings};
+
+/// What the user asks for.
+pub struct Request {
+    /// The file to write.
+    pub out: PathBuf,
+    /// What goes into it.
+    pub settings: Settings,
+}
+
+/// Why there is nothing to do: a usage error, or help or the version was asked for.
+pub struct Stop(clap::Error);
+
+impl Stop {
+    fn usage(kind: ErrorKind, message: impl std::fmt::Display) -> Self {
+        Self(Arguments::command().error(kind, message))
+    }
+
+    /// Prints the text, to standard error if it is an error, and gives the exit code.
+    pub fn print(&self) -> u8 {
+        // If the text cannot be printed there is nowhere left to say so.
+        if self.0.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
+            || !self.0.use_stderr()
+        {
+            self.0.print().ok();
+        } else {
+            eprint!("genx: {}", self.0.render());
+        }
+        self.0.exit_code() as u8
+    }
+}
+
+const EXAMPLES: &str = "\
+Models:
+  1        a cube, 10 m wide, with a small square lamp in its ceiling
+  2        a hall with two rows of columns, a partition and many kinds of shadow,
+           sized for the thresholds 5, 1 and 0.25: about 26, 137 and 546 thousand patches
+  3        a corridor in the shape of a U: light bends round an obstacle into a region
+           that no direct light reaches
+  cornell  the Cornell box: published geometry, reflectances and light; its front is open
+  furnace  a closed unit box whose walls all emit and reflect alike: the solution is
+           LIGHT_POWER / (1 - REFLECTANCE) everywhere
+  FILE.obj triangles and polygons of a Wavefront OBJ file; Kd of its MTL file is the
+           reflectance, Ke the emission (exitance, W/m^2)
+
+REFLECTANCE replaces the colours by one grey: of all surfaces in models 1 to 3 and furnace, of all
+materials that do not emit in cornell and FILE.obj. LIGHT_POWER is the exitance of every lamp in
+models 1 to 3 and of every wall in furnace; in cornell and FILE.obj all emission is scaled so that
+the brightest channel of the brightest emitter is LIGHT_POWER.
+
+Defaults:
+  model     AREA_THRESHOLD  REFLECTANCE           LIGHT_POWER
+  1         0.2             0.5                   1000
+  2         5               a colour an object    1000, tinted
+  3         0.05            0.7                   1000
+  cornell   0.001           as published          as published (57.76, 43.94, 21.22)
+  furnace   0.04            0.5                   1
+  FILE.obj  area / 4000     as in the file        as in the file
+
+Examples:
+  genx cube.rad 1 2.5 0.15 100000       the thesis's example
+  genx hall.rad 2 --max-area 1          a finer hall in its own colours
+  genx box.rad cornell
+  genx mine.rad mine.obj --max-area inf one patch for each triangle of the file";
+
+/// Makes a scene for `compute` to solve: a test model, or an OBJ file.
+///
+/// Surfaces are bisected until no patch is larger than the area threshold. What was made is
+/// printed; what deserves a second look goes to standard error. Exit codes: 0 done, 1 failed, 2
+/// wrong usage.
+#[derive(Parser)]
+#[command(name = "genx", version, after_long_help = EXAMPLES, after_help = "See --help for the models, their defaults and examples.")]
+#[command(arg_required_else_help = true, allow_negative_numbers = true)]
+#[command(
+    override_usage = "genx OUT MODEL [AREA_THRESHOLD REFLECTANCE LIGHT_POWER]\n       genx OUT MODEL --max-area A"
+)]
+struct Arguments {
+    /// File to write; replaced whole, or on errors left as it was
+    out: PathBuf,
+    /// 1, 2, 3, cornell, furnace or FILE.obj
+    model: OsString,
+    /// Largest area of a patch, m^2; inf keeps each triangle as one patch
+    area_threshold: Option<f64>,
+    /// Reflectance, dimensionless, from 0 to below 1
+    reflectance: Option<f32>,
+    /// Exitance of the lamps, W/m^2
+    light_power: Option<f32>,
+    /// The same as AREA_THRESHOLD, with the model's own reflectances and lamps
+    #[arg(long, value_name = "A")]
+    max_area: Option<f64>,
+}
+
+/// Reads the arguments, the program's name first.
+pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Request, Stop> {
+    let arguments = Arguments::try_parse_from(arguments).map_err(Stop)?;
+    let invalid =
+        |message: &dyn std::fmt::Display| Stop::usage(ErrorKind::ValueValidation, message);
+    let model = Model::try_from(arguments.model.as_os_str()).map_err(|e| invalid(&e))?;
+    let positionals = [
+        arguments.area_threshold.is_some(),
+        arguments.reflectance.is_some(),
+        arguments.light_power.is_some(),
+    ];
+    if positionals[0] && arguments.max_area.is_some() {
+        return Err(Stop::usage(
+            ErrorKind::ArgumentConflict,
+            "AREA_THRESHOLD and --max-area say the same; give one of them",
+        ));
+    }
+    if positionals[0] && !positionals[2] {
+        return Err(Stop::usage(
+            ErrorKind::MissingRequiredArgument,
+            "AREA_THRESHOLD, REFLECTANCE and LIGHT_POWER are given all or none; for the area alone use --max-area",
+        ));
+    }
+    let settings = Settings {
+        model,
+        max_area: arguments.area_threshold.or(arguments.max_area),
+        reflectance: arguments.reflectance,
+        light_power: arguments.light_power,
+    };
+    settings.validate().map_err(|e| invalid(&e))?;
+    if let Model::Obj(input) = &settings.model
+        && is_same_file(input, &arguments.out)
+    {
+        return Err(invalid(&format!(
+            "OUT is the model itself, {}; choose another name",
+            input.display()
+        )));
+    }
+    Ok(Request {
+        out: arguments.out,
+        settings,
+    })
+}
+
+fn is_same_file(a: &std::path::Path, b: &std::path::Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}

@@ -1,0 +1,18 @@
+//! `genx`: makes a scene file from a model. See `genx --help`.
+
+mod cli;
+mod run;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let request = match cli::parse(std::env::args_os()) {
+        Ok(request) => request,
+        Err(stop) => return ExitCode::from(stop.print()),
+    };
+    if let Err(error) = run::run(&request) {
+        eprintln!("genx: error: {error:#}");
+        return ExitCode::FAILURE;
+    }
+    ExitCode::SUCCESS
+}

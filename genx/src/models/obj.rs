@@ -1,0 +1,34 @@
+//! Import of OBJ files.
+
+use std::path::Path;
+
+use scene::{Scene, Surface};
+
+use super::override_materials;
+use crate::{GenxError, Imported, Made, Settings};
+
+/// The default area threshold is the model's area over this: at least so many patches, enough to
+/// show light and shadow in a small model, and no change to one that is finer already.
+const DEFAULT_PATCHES: f64 = 4000.0;
+
+pub fn import(path: &Path, settings: &Settings) -> Result<Made, GenxError> {
+    let scene::obj::ObjModel {
+        mut materials,
+        objects,
+        surfaces,
+        origin,
+        report,
+    } = scene::obj::load(path)?;
+    override_materials(&mut materials, settings);
+    let max_area = settings
+        .max_area
+        .unwrap_or_else(|| surfaces.iter().map(Surface::area).sum::<f64>() / DEFAULT_PATCHES);
+    Ok(Made {
+        scene: Scene::with_max_area(materials, objects, surfaces, max_area, origin)?,
+        warnings: report.warnings,
+        imported: Some(Imported {
+            faces: report.faces,
+            polygons_fanned: report.polygons_fanned,
+        }),
+    })
+}

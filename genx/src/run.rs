@@ -1,0 +1,69 @@
+//! Making the scene, writing it, and saying what it is.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::Path;
+
+use genx::Made;
+use scene::Scene;
+use scene::file::OutputLock;
+
+use crate::cli::Request;
+
+/// Does what was asked for.
+pub fn run(request: &Request) -> anyhow::Result<()> {
+    // First, so that a missing folder or another program's lock is known before any work.
+    let _lock = OutputLock::acquire(&request.out)?;
+    let made = genx::make(&request.settings)?;
+    scene::file::save(&request.out, &made.scene, None)?;
+    for warning in &made.warnings {
+        eprintln!("genx: warning: {warning}");
+    }
+    // The file is written: a reader that has gone away is no failure.
+    std::io::stdout()
+        .write_all(summary(&request.out, &made).as_bytes())
+        .ok();
+    Ok(())
+}
+
+fn summary(out: &Path, made: &Made) -> String {
+    let scene = &made.scene;
+    let mut text = String::new();
+    let mut line = |name: &str, value: String| {
+        // Writing to a string does not fail.
+        writeln!(text, "{name:15}{value}").ok();
+    };
+    line("file", out.display().to_string());
+    if let Some(imported) = made.imported {
+        line(
+            "imported",
+            format!(
+                "{} faces, {} of them polygons, fanned",
+                imported.faces, imported.polygons_fanned
+            ),
+        );
+    }
+    line("objects", scene.objects().len().to_string());
+    line("materials", scene.materials().len().to_string());
+    line("surfaces", scene.surfaces().len().to_string());
+    line("patches", scene.patch_count().to_string());
+    let (smallest, largest) = patch_areas(scene);
+    line("patch area", format!("{smallest:.6e} to {largest:.6e} m^2"));
+    line("area", format!("{} m^2", scene.area()));
+    let power = scene.emitted_power();
+    line(
+        "emitted power",
+        format!("{} {} {} W (red, green, blue)", power.x, power.y, power.z),
+    );
+    text
+}
+
+/// Smallest and largest area of a patch, m^2.
+fn patch_areas(scene: &Scene) -> (f64, f64) {
+    scene
+        .patch_areas()
+        .into_iter()
+        .fold((f64::INFINITY, 0.0), |(low, high), area| {
+            (low.min(area), high.max(area))
+        })
+}

@@ -1,0 +1,117 @@
+//! What to make, checked.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+/// The models.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Model {
+    /// "1": a cube with a small square lamp shining into it.
+    Cube,
+    /// "2": a hall with columns and many kinds of shadow.
+    Hall,
+    /// "3": light bending round an obstacle into a region without direct light.
+    Bend,
+    /// "cornell": the Cornell box.
+    Cornell,
+    /// "furnace": a closed box whose walls all emit and reflect alike.
+    Furnace,
+    /// Triangles and polygons of an OBJ file.
+    Obj(PathBuf),
+}
+
+/// A MODEL that names nothing.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "model \"{}\" is unknown; choose 1, 2, 3, cornell, furnace or a file whose name ends in .obj", name.display()
+)]
+pub struct UnknownModel {
+    name: PathBuf,
+}
+
+impl TryFrom<&OsStr> for Model {
+    type Error = UnknownModel;
+
+    /// Names as on the command line. Whether an OBJ file exists is not looked at.
+    fn try_from(name: &OsStr) -> Result<Self, UnknownModel> {
+        let path = Path::new(name);
+        match name.to_str() {
+            Some("1") => Ok(Self::Cube),
+            Some("2") => Ok(Self::Hall),
+            Some("3") => Ok(Self::Bend),
+            Some("cornell") => Ok(Self::Cornell),
+            Some("furnace") => Ok(Self::Furnace),
+            _ if path
+                .extension()
+                .is_some_and(|extension| extension.eq_ignore_ascii_case("obj")) =>
+            {
+                Ok(Self::Obj(path.to_owned()))
+            }
+            _ => Err(UnknownModel {
+                name: path.to_owned(),
+            }),
+        }
+    }
+}
+
+/// What to make. What is `None` has a default that suits the model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// The model.
+    pub model: Model,
+    /// The largest area a patch may have, m^2, above 0; infinity keeps each surface as one patch.
+    pub max_area: Option<f64>,
+    /// Reflectance, dimensionless, in [0, 1): of every material without emission in `Cornell` and
+    /// `Obj`, of every surface elsewhere. It replaces colours by grey.
+    pub reflectance: Option<f32>,
+    /// Exitance of the lamps, W/m^2, finite and at least 0. `Cornell` and `Obj` keep the ratios of
+    /// their emissions and scale the brightest channel of the brightest one to this; elsewhere
+    /// every lamp emits this in each channel.
+    pub light_power: Option<f32>,
+}
+
+/// A setting outside its range.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs)] // the fields are the values the messages show
+pub enum SettingsError {
+    #[error(
+        "area threshold {value} m^2 is not a number above 0; use inf to keep each triangle as one patch"
+    )]
+    MaxArea { value: f64 },
+    #[error("REFLECTANCE {value} is outside [0, 1); a surface cannot reflect all it receives")]
+    Reflectance { value: f32 },
+    #[error("LIGHT_POWER {value} W/m^2 is not a finite number >= 0")]
+    LightPower { value: f32 },
+}
+
+impl Settings {
+    /// A model with its defaults.
+    pub fn new(model: Model) -> Self {
+        Self {
+            model,
+            max_area: None,
+            reflectance: None,
+            light_power: None,
+        }
+    }
+
+    /// Checks the ranges the fields state.
+    pub fn validate(&self) -> Result<(), SettingsError> {
+        if let Some(value) = self.max_area
+            && (value.is_nan() || value <= 0.0)
+        {
+            return Err(SettingsError::MaxArea { value });
+        }
+        if let Some(value) = self.reflectance
+            && !(0.0..1.0).contains(&value)
+        {
+            return Err(SettingsError::Reflectance { value });
+        }
+        if let Some(value) = self.light_power
+            && !(value >= 0.0 && value.is_finite())
+        {
+            return Err(SettingsError::LightPower { value });
+        }
+        Ok(())
+    }
+}
