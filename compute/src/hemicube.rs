@@ -12,7 +12,7 @@
 //! one picture of width R and height 3R: the top face, then the sides towards +tangent,
 //! +bitangent, -tangent and -bitangent; the rows of a side run from the horizon up.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use scene::Patch;
 
 use crate::settings::Points;
@@ -39,7 +39,7 @@ impl Frame {
     /// The tangent follows the patch's own edge, so that results do not depend on how the model is
     /// turned in its coordinates.
     pub fn on_patch(patch: &Patch, normal: DVec3, position: DVec3) -> Self {
-        let [p0, p1, _] = patch.corners.map(|p| p.as_dvec3());
+        let [p0, p1, _] = patch.corners.map(Vec3::as_dvec3);
         let along = p1 - p0;
         let tangent = (along - along.dot(normal) * normal).normalize();
         Self {
@@ -71,7 +71,7 @@ pub fn frames(scene: &scene::Scene, patch: scene::PatchId, points: Points) -> Ve
     let geometry = scene.patch(patch);
     let normal = scene.surface(geometry.surface).normal();
     let at = |position| Frame::on_patch(&geometry, normal, position);
-    let [p0, p1, p2] = geometry.corners.map(|p| p.as_dvec3());
+    let [p0, p1, p2] = geometry.corners.map(Vec3::as_dvec3);
     match points {
         Points::Vertices => {
             let centroid = geometry.centroid();

@@ -1,7 +1,24 @@
-//! Hemicubes, form factors and solvers.
+//! Hemicubes, form factors and solvers: the program `compute` and what it is made of.
+//!
+//! Each patch looks through a [`hemicube`] at the scene's surfaces. The patches its pixels see, an
+//! item buffer drawn by the [`cpu`] or the [`gpu`], weighted by [`delta_form_factors`], are its
+//! [row](rows) of form factors. Rows are kept in a [`row_cache`], and a [`solver`] iterates on them;
+//! [`run`](mod@run) joins all of it, with checkpoints, and [`report`]s.
 
+pub mod backend;
+pub mod cli;
 pub mod cpu;
 pub mod delta_form_factors;
+mod form_factors_csv;
+pub mod gpu;
 pub mod hemicube;
+pub mod interrupt;
+pub mod problem;
+mod progress;
+pub mod quantity;
+pub mod report;
+pub mod row_cache;
 pub mod rows;
+pub mod run;
 pub mod settings;
+pub mod solver;

@@ -53,6 +53,14 @@ impl RowBatch {
         self.unseen.push(unseen);
     }
 
+    /// Adds the rows of the patches that follow.
+    pub fn append(&mut self, next: &Self) {
+        let before = self.entries.len();
+        self.entries.extend_from_slice(&next.entries);
+        self.ends.extend(next.ends.iter().map(|end| before + end));
+        self.unseen.extend_from_slice(&next.unseen);
+    }
+
     /// Gives back the memory that growing took in advance.
     pub fn shrink(&mut self) {
         self.entries.shrink_to_fit();

@@ -19,10 +19,15 @@ fn settings(resolution: u32, points: Points) -> FormFactorSettings {
 }
 
 fn all_rows(scene: &Scene, settings: FormFactorSettings, threads: usize) -> RowBatch {
-    CpuRows::new(scene, settings, Some(threads))
-        .unwrap()
-        .draw_rows(0..scene.patch_count())
-        .unwrap()
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .unwrap();
+    pool.install(|| {
+        CpuRows::new(scene, settings)
+            .draw_rows(0..scene.patch_count())
+            .unwrap()
+    })
 }
 
 #[test]

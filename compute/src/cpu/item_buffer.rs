@@ -65,7 +65,7 @@ impl<'a> HemicubeDrawer<'a> {
         let size = self.windows[0].width;
         let mut ids = Vec::with_capacity(3 * size * size);
         self.draw(patch, frame, NOTHING, BACK_FACE, |_, _, row| {
-            ids.extend_from_slice(row)
+            ids.extend_from_slice(row);
         });
         ids
     }

@@ -11,23 +11,24 @@ use crate::hemicube;
 use crate::rows::{BackendError, Entry, RowBatch, RowSource, Unseen};
 use crate::settings::{FormFactorSettings, Points};
 
-/// The cpu back end.
+/// The cpu back end. It draws on the threads of the rayon pool it is called in.
 #[derive(Debug)]
 pub struct CpuRows<'a> {
     scene: &'a Scene,
     points: Points,
     delta_form_factors: DeltaFormFactors,
-    pool: rayon::ThreadPool,
 }
 
+/// Rows that one thread draws at a time: the fewer, the more even the threads' work.
+const ROWS_PER_TASK: usize = 16;
+
+/// Tasks in a batch for each thread: enough to be even, few enough that an interrupt is answered soon.
+const TASKS_PER_THREAD: usize = 4;
+
 impl<'a> CpuRows<'a> {
-    /// A back end with this many threads; `None`: one for each core.
-    pub fn new(
-        scene: &'a Scene,
-        settings: FormFactorSettings,
-        threads: Option<usize>,
-    ) -> Result<Self, BackendError> {
-        Ok(Self {
+    /// A back end for one scene.
+    pub fn new(scene: &'a Scene, settings: FormFactorSettings) -> Self {
+        Self {
             scene,
             points: settings.points,
             delta_form_factors: DeltaFormFactors::new(
@@ -35,49 +36,33 @@ impl<'a> CpuRows<'a> {
                 settings.resolution,
                 settings.units_per_hemicube(),
             ),
-            pool: rayon::ThreadPoolBuilder::new()
-                .num_threads(threads.unwrap_or(0))
-                .build()?,
-        })
+        }
     }
 }
 
 impl RowSource for CpuRows<'_> {
     fn draw_rows(&mut self, patches: Range<u32>) -> Result<RowBatch, BackendError> {
-        let first = patches.start;
-        let Self {
-            scene,
-            points,
-            delta_form_factors,
-            pool,
-        } = &*self;
-        // Consecutive patches share a drawer, so that a batch costs a few allocations a thread.
-        let pieces: Vec<RowBatch> = pool.install(|| {
-            patches
-                .collect::<Vec<_>>()
-                .par_chunks(16)
-                .map_init(
-                    || RowDrawer::new(scene, *points, delta_form_factors),
-                    |drawer, patches| drawer.rows(patches),
-                )
-                .collect()
-        });
-        let mut batch = RowBatch::new(first);
-        for piece in &pieces {
-            for k in 0..piece.patches().len() {
-                batch.push(piece.row(k), piece.unseen(k));
-            }
+        let mut batch = RowBatch::new(patches.start);
+        let pieces: Vec<RowBatch> = patches
+            .collect::<Vec<_>>()
+            .par_chunks(ROWS_PER_TASK)
+            .map_init(
+                || RowDrawer::new(self.scene, self.points, &self.delta_form_factors),
+                RowDrawer::rows,
+            )
+            .collect();
+        for piece in pieces {
+            batch.append(&piece);
         }
         Ok(batch)
     }
 
     fn preferred_batch(&self) -> u32 {
-        // Enough for all threads to be busy, and few enough that an interrupt is answered soon.
-        64 * self.pool.current_num_threads() as u32
+        (rayon::current_num_threads() * TASKS_PER_THREAD * ROWS_PER_TASK) as u32
     }
 
     fn describe(&self) -> String {
-        let threads = self.pool.current_num_threads();
+        let threads = rayon::current_num_threads();
         format!(
             "cpu, {threads} thread{}",
             if threads == 1 { "" } else { "s" }

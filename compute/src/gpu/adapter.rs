@@ -75,14 +75,13 @@ impl Gpu {
                 "the driver lacks features that WebGPU asks for".into(),
             ));
         }
-        let (device, queue) =
-            pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
-                label: Some("radiosity"),
-                // All it offers: buffers are sized by a budget of our own, within these limits.
-                required_limits: adapter.limits(),
-                ..wgpu::DeviceDescriptor::default()
-            }))
-            .map_err(|error| unsuitable(format!("the device could not be opened ({error})")))?;
+        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("radiosity"),
+            // All it offers: buffers are sized by a budget of our own, within these limits.
+            required_limits: adapter.limits(),
+            ..wgpu::DeviceDescriptor::default()
+        }))
+        .map_err(|error| unsuitable(format!("the device could not be opened ({error})")))?;
 
         let failure = Arc::new(Mutex::new(None));
         let note = |failure: &Mutex<Option<String>>, what: String| {
@@ -128,38 +127,32 @@ impl Gpu {
         }
     }
 
-    /// Submits commands.
-    pub fn submit(
-        &self,
-        encoder: wgpu::CommandEncoder,
-    ) -> Result<wgpu::SubmissionIndex, BackendError> {
+    /// Submits commands and waits until they have been carried out.
+    pub fn run(&self, encoder: wgpu::CommandEncoder) -> Result<(), BackendError> {
         let commands = encoder.finish();
         self.check()?;
-        let index = self.queue.submit([commands]);
-        self.check()?;
-        Ok(index)
+        self.queue.submit([commands]);
+        self.wait()
     }
 
-    /// Waits until a submission has ended.
-    pub fn wait(&self, submission: wgpu::SubmissionIndex) -> Result<(), BackendError> {
+    /// Waits until all that was submitted has been carried out.
+    fn wait(&self) -> Result<(), BackendError> {
         self.check()?;
         let poll = || {
             self.device.poll(wgpu::PollType::Wait {
-                submission_index: Some(submission),
+                submission_index: None,
                 timeout: Some(TIMEOUT),
             })
         };
         // wgpu panics in its outermost layer, where it holds nothing that could be left half done.
-        let what = match catch_unwind(AssertUnwindSafe(poll)) {
-            Ok(Ok(_)) => return self.check(),
-            Ok(Err(error)) => error.to_string(),
-            Err(_) => "waiting for it failed".into(),
-        };
-        self.failure().get_or_insert(what);
-        self.check()
+        match catch_unwind(AssertUnwindSafe(poll)) {
+            Ok(Ok(_)) => self.check(),
+            Ok(Err(error)) => Err(self.lost(&error.to_string())),
+            Err(_) => Err(self.lost("waiting for it failed")),
+        }
     }
 
-    /// Reads the first `bytes` of a mappable buffer that no submission uses any more.
+    /// Reads the first `bytes` of a mappable buffer.
     pub fn read<T>(
         &self,
         buffer: &wgpu::Buffer,
@@ -173,21 +166,27 @@ impl Gpu {
             // The receiver is gone only when the caller has given up.
             let _ = sender.send(result);
         });
-        let encoder = self.encoder();
-        self.wait(self.submit(encoder)?)?;
-        let lost = |what: &dyn std::fmt::Display| BackendError::DeviceLost {
-            what: one_line(&format!("its memory could not be read: {what}")),
-        };
+        self.wait()?;
+        let unread = |what: &str| self.lost(&format!("its memory could not be read: {what}"));
         match receiver.try_recv() {
             Ok(Ok(())) => {}
-            Ok(Err(error)) => return Err(lost(&error)),
-            Err(error) => return Err(lost(&error)),
+            Ok(Err(error)) => return Err(unread(&error.to_string())),
+            Err(error) => return Err(unread(&error.to_string())),
         }
-        let view = slice.get_mapped_range().map_err(|error| lost(&error))?;
+        let view = slice
+            .get_mapped_range()
+            .map_err(|error| unread(&error.to_string()))?;
         let taken = take(&view);
         drop(view);
         buffer.unmap();
         Ok(taken)
+    }
+
+    /// Gives the device up. The first reason ever noted is the one told: it is the cause of the
+    /// others.
+    pub fn lost(&self, what: &str) -> BackendError {
+        let what = self.failure().get_or_insert_with(|| one_line(what)).clone();
+        BackendError::DeviceLost { what }
     }
 
     /// A new command encoder.
@@ -219,6 +218,55 @@ impl Gpu {
                 contents: bytemuck::cast_slice(values),
                 usage,
             })
+    }
+
+    /// A texture that is drawn into, for the uses given besides.
+    pub fn texture(
+        &self,
+        label: &str,
+        size: wgpu::Extent3d,
+        format: wgpu::TextureFormat,
+        usage: wgpu::TextureUsages,
+    ) -> wgpu::Texture {
+        self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: usage | wgpu::TextureUsages::RENDER_ATTACHMENT,
+            view_formats: &[],
+        })
+    }
+
+    /// A compiled shader.
+    pub fn shader(&self, label: &str, wgsl: String) -> wgpu::ShaderModule {
+        self.device
+            .create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(label),
+                source: wgpu::ShaderSource::Wgsl(wgsl.into()),
+            })
+    }
+
+    /// Resources bound in order, from binding 0 on.
+    pub fn bind_group(
+        &self,
+        layout: &wgpu::BindGroupLayout,
+        resources: &[wgpu::BindingResource<'_>],
+    ) -> wgpu::BindGroup {
+        let entries: Vec<_> = (0..)
+            .zip(resources)
+            .map(|(binding, resource)| wgpu::BindGroupEntry {
+                binding,
+                resource: resource.clone(),
+            })
+            .collect();
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout,
+            entries: &entries,
+        })
     }
 
     fn failure(&self) -> MutexGuard<'_, Option<String>> {

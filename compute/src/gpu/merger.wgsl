@@ -99,20 +99,15 @@ fn inclusive_sum(thread: u32, value: u32) -> u32 {
     return partial_sums[thread];
 }
 
-// The patches whose sums one thread searches.
-struct Range {
-    start: u32,
-    end: u32,
+// First and end of the patches whose sums one thread searches.
+fn patches_of(block: u32, thread: u32) -> vec2u {
+    let first = (block * WORKGROUP_SIZE + thread) * SLOTS_PER_THREAD;
+    return vec2u(first, min(first + SLOTS_PER_THREAD, settings.patch_count));
 }
 
-fn patches_of(block: u32, thread: u32) -> Range {
-    let start = (block * WORKGROUP_SIZE + thread) * SLOTS_PER_THREAD;
-    return Range(start, min(start + SLOTS_PER_THREAD, settings.patch_count));
-}
-
-fn count_in(row: u32, patches: Range) -> u32 {
+fn count_in(row: u32, patches: vec2u) -> u32 {
     var count = 0u;
-    for (var id = patches.start; id < patches.end; id++) {
+    for (var id = patches.x; id < patches.y; id++) {
         count += u32(atomicLoad(&sums[row + id]) != 0u);
     }
     return count;
@@ -163,7 +158,7 @@ fn write_entries(
     let count = count_in(row, patches);
     var place = blocks[workgroup.y * settings.blocks_per_row + workgroup.x]
         + inclusive_sum(thread, count) - count;
-    for (var id = patches.start; id < patches.end; id++) {
+    for (var id = patches.x; id < patches.y; id++) {
         let units = atomicLoad(&sums[row + id]);
         if units != 0u {
             entries[place] = Entry(id, units);

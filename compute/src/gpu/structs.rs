@@ -246,13 +246,7 @@ mod tests {
             }
             let members = members
                 .iter()
-                .map(|m| {
-                    (
-                        m.name.clone().unwrap(),
-                        m.offset,
-                        layouter[m.ty].size,
-                    )
-                })
+                .map(|m| (m.name.clone().unwrap(), m.offset, layouter[m.ty].size))
                 .collect();
             layouts.push((name.clone(), (members, *span)));
         }
@@ -301,7 +295,10 @@ mod tests {
                 seen.insert(name);
             }
         }
-        assert_eq!(seen, in_rust.iter().map(|(name, _)| (*name).into()).collect());
+        assert_eq!(
+            seen,
+            in_rust.iter().map(|(name, _)| (*name).into()).collect()
+        );
     }
 
     #[test]

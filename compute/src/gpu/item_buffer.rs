@@ -1,0 +1,482 @@
+//! Item buffers of many hemicubes in one atlas of tiles. Twin of [`crate::cpu::item_buffer`].
+
+use std::ops::Range;
+
+use glam::DVec3;
+use scene::{Scene, SurfaceId};
+
+use super::adapter::Gpu;
+use super::structs::{self, DrawSettings, Face, Surface};
+use crate::cpu;
+use crate::cpu::item_buffer::{BACK_FACE, NOTHING};
+use crate::hemicube::{self, Frame, Window};
+use crate::rows::BackendError;
+
+/// Tiles of a hemicube's picture.
+pub const TILES_PER_HEMICUBE: usize = 3;
+/// The faces in each tile, from its first row on.
+const FACES_OF_TILE: [&[usize]; TILES_PER_HEMICUBE] = [&[0], &[1, 2], &[3, 4]];
+
+/// What an atlas may take, IDs and depths, bytes: some hundred tiles of 100 x 100 pixels, enough to
+/// keep a large GPU busy. A larger tile is an atlas of its own. Not tuned.
+const ATLAS_BUDGET: u64 = 64 << 20;
+/// The longest side of an atlas, pixels, even where an adapter allows more.
+const MAX_SIDE: u32 = 8192;
+/// The most tiles in an atlas: what one dispatch can count in one dimension.
+const MAX_TILES: u32 = 65_535;
+/// Surfaces in the lists of one drawing, 4 bytes each, unless one list alone is longer.
+const LISTED_SURFACES_BUDGET: usize = 4 << 20;
+
+const COLOUR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Uint;
+const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+/// Square tiles in rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AtlasLayout {
+    /// Pixels along a tile.
+    pub resolution: u32,
+    /// Tiles in a row.
+    pub columns: u32,
+    /// Rows of tiles.
+    pub rows: u32,
+}
+
+impl AtlasLayout {
+    /// As many tiles as the budget allows, at least one; `None` where one is longer than `max_side`.
+    pub fn new(resolution: u32, max_side: u32) -> Option<Self> {
+        let per_side = max_side.min(MAX_SIDE) / resolution;
+        let bytes_per_tile = 8 * u64::from(resolution).pow(2);
+        let tiles = (ATLAS_BUDGET / bytes_per_tile).clamp(1, MAX_TILES.into()) as u32;
+        let columns = tiles.isqrt().min(per_side);
+        let rows = tiles.checked_div(columns)?.min(per_side);
+        Some(Self {
+            resolution,
+            columns,
+            rows,
+        })
+    }
+
+    /// Tiles it has room for.
+    pub fn tiles(self) -> u32 {
+        self.columns * self.rows
+    }
+
+    /// First column and row, pixels, of a tile of the `hemicube`-th of all hemicubes of a scene.
+    ///
+    /// The place depends on nothing else: GPUs round corners by where in the atlas they are, and a
+    /// row must have the same bits whatever it is drawn together with. Tiles that follow each other
+    /// have places that follow each other, the last being followed by the first.
+    pub fn origin(self, hemicube: u64, tile: usize) -> [u32; 2] {
+        let tile = hemicube * TILES_PER_HEMICUBE as u64 + tile as u64;
+        let place = (tile % u64::from(self.tiles())) as u32;
+        [place % self.columns, place / self.columns].map(|k| k * self.resolution)
+    }
+
+    fn size(self) -> wgpu::Extent3d {
+        wgpu::Extent3d {
+            width: self.columns * self.resolution,
+            height: self.rows * self.resolution,
+            depth_or_array_layers: 1,
+        }
+    }
+}
+
+/// One face to be drawn.
+#[derive(Clone, Debug)]
+struct Draw {
+    /// Column, row, width and height in the atlas, pixels.
+    viewport: [u32; 4],
+    /// Where the surfaces to draw are listed.
+    listed: Range<u32>,
+}
+
+/// Tiles to be drawn together.
+#[derive(Clone, Debug, Default)]
+struct Pending {
+    tiles: u32,
+    /// One per draw.
+    faces: Vec<Face>,
+    draws: Vec<Draw>,
+    /// Surfaces above the horizon, a list for each surface whose patches look out.
+    lists: Vec<u32>,
+    /// Whose list was added last, and where it is.
+    last_list: Option<(SurfaceId, Range<u32>)>,
+}
+
+/// Draws tiles of hemicubes into an atlas.
+#[derive(Debug)]
+pub struct AtlasDrawer {
+    layout: AtlasLayout,
+    windows: [Window; 5],
+    plane_tolerance: f64,
+    pending: Pending,
+    /// The newest list of surfaces above a surface's horizon, and whose it is.
+    horizon: (Option<SurfaceId>, Vec<u32>),
+    lists_capacity: usize,
+    colour: wgpu::Texture,
+    colour_view: wgpu::TextureView,
+    depth_view: wgpu::TextureView,
+    pipeline: wgpu::RenderPipeline,
+    bind_group: wgpu::BindGroup,
+    faces: wgpu::Buffer,
+    lists: wgpu::Buffer,
+}
+
+impl AtlasDrawer {
+    /// A drawer for hemicubes of this resolution.
+    pub fn new(gpu: &Gpu, scene: &Scene, resolution: u32) -> Result<Self, BackendError> {
+        let limits = gpu.device.limits();
+        let layout =
+            AtlasLayout::new(resolution, limits.max_texture_dimension_2d).ok_or_else(|| {
+                let most = limits.max_texture_dimension_2d;
+                gpu.unsuitable(format!(
+                    "resolution {resolution} exceeds its textures' {most}"
+                ))
+            })?;
+        let windows = hemicube::windows(resolution);
+        let plane_tolerance = cpu::plane_tolerance(scene);
+
+        let surfaces = surfaces(scene);
+        let count = surfaces.len();
+        let bytes = size_of_val(surfaces.as_slice()) as u64;
+        if bytes > limits.max_storage_buffer_binding_size {
+            return Err(gpu.unsuitable(format!("{count} surfaces exceed its buffers")));
+        }
+        let lists_capacity =
+            count * (LISTED_SURFACES_BUDGET / count).clamp(1, layout.tiles() as usize);
+        let storage = wgpu::BufferUsages::STORAGE;
+        let written = storage | wgpu::BufferUsages::COPY_DST;
+        let faces_bytes = u64::from(layout.tiles()) * 2 * size_of::<Face>() as u64;
+        let faces = gpu.buffer("faces", faces_bytes, written);
+        let lists = gpu.buffer("above horizon", 4 * lists_capacity as u64, written);
+        let settings = DrawSettings {
+            // A wall nearer than this is nearer than its corners are known.
+            near: plane_tolerance as f32,
+            plane_tolerance: plane_tolerance as f32,
+            pixel: windows[0].pixel as f32,
+            padding: 0.0,
+        };
+        let pipeline = pipeline(gpu);
+        let bind_group = gpu.bind_group(
+            &pipeline.get_bind_group_layout(0),
+            &[
+                gpu.constant_buffer("draw settings", &[settings], wgpu::BufferUsages::UNIFORM)
+                    .as_entire_binding(),
+                gpu.constant_buffer("surfaces", &surfaces, storage)
+                    .as_entire_binding(),
+                faces.as_entire_binding(),
+                lists.as_entire_binding(),
+            ],
+        );
+        let colour = gpu.texture(
+            "item buffers",
+            layout.size(),
+            COLOUR_FORMAT,
+            wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC,
+        );
+        let depth = gpu.texture(
+            "depths",
+            layout.size(),
+            DEPTH_FORMAT,
+            wgpu::TextureUsages::empty(),
+        );
+        let view =
+            |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
+        Ok(Self {
+            layout,
+            windows,
+            plane_tolerance,
+            pending: Pending::default(),
+            horizon: (None, Vec::new()),
+            lists_capacity,
+            colour_view: view(&colour),
+            depth_view: view(&depth),
+            colour,
+            pipeline,
+            bind_group,
+            faces,
+            lists,
+        })
+    }
+
+    /// Where the tiles lie.
+    pub fn layout(&self) -> AtlasLayout {
+        self.layout
+    }
+
+    /// The atlas.
+    pub fn view(&self) -> &wgpu::TextureView {
+        &self.colour_view
+    }
+
+    /// Whether a tile of a hemicube on this surface can be added before the next [`Self::draw`].
+    pub fn has_room(&mut self, scene: &Scene, own: SurfaceId) -> bool {
+        if self.pending.tiles == self.layout.tiles() {
+            return false;
+        }
+        if matches!(&self.pending.last_list, Some((surface, _)) if *surface == own) {
+            return true;
+        }
+        self.find_horizon(scene, own);
+        self.pending.lists.len() + self.horizon.1.len() <= self.lists_capacity
+    }
+
+    /// Adds a tile of the hemicube at `frame` on a surface. There is room for it, and its place in
+    /// the atlas follows that of the tile added before.
+    pub fn add(
+        &mut self,
+        scene: &Scene,
+        own: SurfaceId,
+        frame: &Frame,
+        tile: usize,
+        origin: [u32; 2],
+    ) {
+        let listed = self.list(scene, own);
+        let mut y = origin[1];
+        for &face in FACES_OF_TILE[tile] {
+            let window = &self.windows[face];
+            let (width, height) = (window.width as u32, window.height as u32);
+            self.pending
+                .faces
+                .push(face_of(frame, window, [origin[0], y]));
+            self.pending.draws.push(Draw {
+                viewport: [origin[0], y, width, height],
+                listed: listed.clone(),
+            });
+            y += height;
+        }
+        self.pending.tiles += 1;
+    }
+
+    /// Draws all tiles added since the last time.
+    pub fn draw(&mut self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) {
+        let pending = &self.pending;
+        gpu.queue
+            .write_buffer(&self.faces, 0, bytemuck::cast_slice(&pending.faces));
+        gpu.queue
+            .write_buffer(&self.lists, 0, bytemuck::cast_slice(&pending.lists));
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("item buffers"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &self.colour_view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color {
+                        a: f64::from(structs::ALPHA_NOTHING),
+                        ..wgpu::Color::TRANSPARENT
+                    }),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &self.depth_view,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(0.0),
+                    store: wgpu::StoreOp::Discard,
+                }),
+                stencil_ops: None,
+            }),
+            ..wgpu::RenderPassDescriptor::default()
+        });
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &self.bind_group, &[]);
+        for (face, draw) in (0..).zip(&pending.draws) {
+            let [x, y, width, height] = draw.viewport;
+            pass.set_scissor_rect(x, y, width, height);
+            pass.set_viewport(x as f32, y as f32, width as f32, height as f32, 0.0, 1.0);
+            pass.draw(3 * draw.listed.start..3 * draw.listed.end, face..face + 1);
+        }
+        drop(pass);
+        self.pending.tiles = 0;
+        self.pending.faces.clear();
+        self.pending.draws.clear();
+        self.pending.lists.clear();
+        self.pending.last_list = None;
+    }
+
+    /// The pixels of a tile, row by row: patch IDs, [`NOTHING`] or [`BACK_FACE`].
+    pub fn read(&self, gpu: &Gpu, [x, y]: [u32; 2]) -> Result<Vec<u32>, BackendError> {
+        let resolution = self.layout.resolution;
+        let row_bytes = (4 * resolution).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let bytes = u64::from(row_bytes) * u64::from(resolution);
+        let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ;
+        let buffer = gpu.buffer("item buffer readback", bytes, usage);
+        let mut encoder = gpu.encoder();
+        encoder.copy_texture_to_buffer(
+            wgpu::TexelCopyTextureInfo {
+                origin: wgpu::Origin3d { x, y, z: 0 },
+                ..self.colour.as_image_copy()
+            },
+            wgpu::TexelCopyBufferInfo {
+                buffer: &buffer,
+                layout: wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(row_bytes),
+                    rows_per_image: None,
+                },
+            },
+            wgpu::Extent3d {
+                width: resolution,
+                height: resolution,
+                depth_or_array_layers: 1,
+            },
+        );
+        gpu.run(encoder)?;
+        gpu.read(&buffer, bytes, |bytes| {
+            bytes
+                .chunks_exact(row_bytes as usize)
+                .flat_map(|row| row[..4 * resolution as usize].chunks_exact(4))
+                .map(|texel| match *texel {
+                    [r, g, b, structs::ALPHA_PATCH] => u32::from_be_bytes([0, r, g, b]),
+                    [_, _, _, structs::ALPHA_BACK_FACE] => BACK_FACE,
+                    _ => NOTHING,
+                })
+                .collect()
+        })
+    }
+
+    /// Where the surfaces above a surface's horizon are listed; there is room for the list.
+    fn list(&mut self, scene: &Scene, own: SurfaceId) -> Range<u32> {
+        if let Some((surface, listed)) = &self.pending.last_list
+            && *surface == own
+        {
+            return listed.clone();
+        }
+        self.find_horizon(scene, own);
+        let start = self.pending.lists.len() as u32;
+        self.pending.lists.extend_from_slice(&self.horizon.1);
+        let listed = start..self.pending.lists.len() as u32;
+        self.pending.last_list = Some((own, listed.clone()));
+        listed
+    }
+
+    /// Finds the surfaces that rise above the plane of a surface, where all its hemicubes stand.
+    fn find_horizon(&mut self, scene: &Scene, own: SurfaceId) {
+        if self.horizon.0 == Some(own) {
+            return;
+        }
+        let normal = scene.surface(own).normal();
+        let height = |p: glam::Vec3| p.as_dvec3().dot(normal);
+        let limit = height(scene.surface(own).corners[0]) + self.plane_tolerance;
+        let (surface, list) = &mut self.horizon;
+        *surface = Some(own);
+        list.clear();
+        list.extend((0..).zip(scene.surfaces()).filter_map(|(index, surface)| {
+            let is_above = surface.corners.into_iter().any(|p| height(p) > limit);
+            (is_above && index != own.0).then_some(index)
+        }));
+    }
+}
+
+/// All surfaces as the shader sees them.
+fn surfaces(scene: &Scene) -> Vec<Surface> {
+    let trees = scene.mesh().trees();
+    scene
+        .surfaces()
+        .iter()
+        .zip(trees)
+        .map(|(surface, tree)| {
+            let [corner_0, corner_1, corner_2] = surface.corners.map(|p| p.to_array());
+            Surface {
+                corner_0,
+                first_patch: tree.first_patch.0,
+                corner_1,
+                depth: tree.depth,
+                corner_2,
+                padding: 0,
+            }
+        })
+        .collect()
+}
+
+/// A face of the hemicube at `frame` as the shader sees it.
+fn face_of(frame: &Frame, window: &Window, [x, y]: [u32; 2]) -> Face {
+    let in_scene = |v: DVec3| {
+        (v.x * frame.tangent + v.y * frame.bitangent + v.z * frame.normal)
+            .as_vec3()
+            .to_array()
+    };
+    let eye_high = frame.position.as_vec3();
+    Face {
+        eye_high: eye_high.to_array(),
+        bottom: window.bottom as f32,
+        eye_low: (frame.position - eye_high.as_dvec3()).as_vec3().to_array(),
+        height: (window.height as f64 * window.pixel) as f32,
+        right: in_scene(window.right),
+        origin_x: x as f32,
+        up: in_scene(window.up),
+        origin_y: y as f32,
+        forward: in_scene(window.forward),
+        padding: 0.0,
+    }
+}
+
+fn pipeline(gpu: &Gpu) -> wgpu::RenderPipeline {
+    let module = gpu.shader("item_buffer.wgsl", structs::item_buffer_wgsl());
+    gpu.device
+        .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("item buffer"),
+            layout: None,
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some("project"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: &[],
+            },
+            // Nothing is culled: backs occlude.
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: DEPTH_FORMAT,
+                depth_write_enabled: Some(true),
+                depth_compare: Some(wgpu::CompareFunction::Greater),
+                stencil: wgpu::StencilState::default(),
+                bias: wgpu::DepthBiasState::default(),
+            }),
+            multisample: wgpu::MultisampleState::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some("look_up"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: &[Some(COLOUR_FORMAT.into())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_fit_the_largest_texture_and_do_not_overlap() {
+        for resolution in [2, 4, 100, 128, 500, 2048, 3000, 4096] {
+            for max_side in [4096, 8192, 16384] {
+                let layout = AtlasLayout::new(resolution, max_side).unwrap();
+                assert!(layout.tiles() >= 1 && layout.tiles() <= MAX_TILES);
+                let size = layout.size();
+                assert!(size.width <= max_side && size.height <= max_side);
+                let tiles = u64::from(layout.tiles());
+                let mut origins: Vec<_> = (0..tiles.min(3000))
+                    .map(|k| layout.origin(k / 3, (k % 3) as usize))
+                    .collect();
+                for [x, y] in &origins {
+                    assert!(x + resolution <= size.width && y + resolution <= size.height);
+                    assert!(x % resolution == 0 && y % resolution == 0);
+                }
+                let count = origins.len();
+                origins.sort_unstable();
+                origins.dedup();
+                assert_eq!(origins.len(), count);
+                // As many hemicubes later, each is in its place again.
+                assert_eq!(layout.origin(5 + tiles, 2), layout.origin(5, 2));
+            }
+        }
+    }
+
+    #[test]
+    fn a_tile_beyond_the_largest_texture_is_refused() {
+        assert_eq!(AtlasLayout::new(4096, 2048), None);
+    }
+}

@@ -1,0 +1,316 @@
+//! Sums delta form factors by patch on the device, and reads the sums that are not zero.
+
+use std::ops::Range;
+
+use super::adapter::Gpu;
+use super::item_buffer::AtlasLayout;
+use super::structs::{
+    self, MergeSettings, PIXELS_PER_THREAD, RowSummary, SLOTS_PER_BLOCK, Tile, WORKGROUP_SIZE,
+};
+use crate::delta_form_factors::DeltaFormFactors;
+use crate::hemicube;
+use crate::rows::{BackendError, Entry, RowBatch, Unseen};
+
+/// What a batch's sums may take, and what its entries may, bytes each, unless one row alone takes
+/// more. Not tuned.
+const BATCH_BUDGET: u64 = 64 << 20;
+/// The most rows in a batch: what one dispatch can count in one dimension.
+const MAX_ROWS: u64 = 65_535;
+
+/// Sums of the rows of a batch.
+#[derive(Debug)]
+pub struct Merger {
+    /// `row_count` is that of the last batch.
+    settings: MergeSettings,
+    max_rows: u32,
+    add_pixels: wgpu::ComputePipeline,
+    count_entries: wgpu::ComputePipeline,
+    place_entries: wgpu::ComputePipeline,
+    write_entries: wgpu::ComputePipeline,
+    bind_group: wgpu::BindGroup,
+    settings_buffer: wgpu::Buffer,
+    tiles: wgpu::Buffer,
+    entries: wgpu::Buffer,
+    summaries: wgpu::Buffer,
+    summaries_readback: wgpu::Buffer,
+    /// Grows with what there is to read.
+    entries_readback: wgpu::Buffer,
+}
+
+impl Merger {
+    /// Sums for rows of `patch_count` patches, from an atlas.
+    pub fn new(
+        gpu: &Gpu,
+        atlas: &wgpu::TextureView,
+        layout: AtlasLayout,
+        factors: &DeltaFormFactors,
+        patch_count: u32,
+        hemicubes_per_row: u32,
+    ) -> Result<Self, BackendError> {
+        let sums_per_row = u64::from(patch_count) + 2;
+        let pixels_per_row =
+            hemicube::pixel_count(layout.resolution) as u64 * u64::from(hemicubes_per_row);
+        let entries_per_row = u64::from(patch_count).min(pixels_per_row);
+        let sums_bytes = sums_per_row * size_of::<u32>() as u64;
+        let entries_bytes = entries_per_row * size_of::<Entry>() as u64;
+        let factors: Vec<u32> = [factors.face(0), factors.face(1)].concat();
+
+        let limits = gpu.device.limits();
+        let most = limits
+            .max_storage_buffer_binding_size
+            .min(limits.max_buffer_size);
+        let needed = sums_bytes
+            .max(entries_bytes)
+            .max(size_of_val(factors.as_slice()) as u64);
+        if needed > most {
+            return Err(gpu.unsuitable(format!(
+                "{patch_count} patches at resolution {} need a buffer of {needed} bytes, of which it \
+                 allows {most}",
+                layout.resolution
+            )));
+        }
+        let budget = BATCH_BUDGET.min(most);
+        let max_rows = (budget / sums_bytes.max(entries_bytes)).clamp(1, MAX_ROWS);
+        let blocks_per_row = patch_count.div_ceil(SLOTS_PER_BLOCK);
+
+        let storage = wgpu::BufferUsages::STORAGE;
+        let (to, from) = (wgpu::BufferUsages::COPY_DST, wgpu::BufferUsages::COPY_SRC);
+        let map = wgpu::BufferUsages::MAP_READ;
+        let summaries_bytes = max_rows * size_of::<RowSummary>() as u64;
+        let tiles_bytes = u64::from(layout.tiles()) * size_of::<Tile>() as u64;
+        let settings_buffer = gpu.buffer(
+            "merge settings",
+            size_of::<MergeSettings>() as u64,
+            wgpu::BufferUsages::UNIFORM | to,
+        );
+        let tiles = gpu.buffer("tiles", tiles_bytes, storage | to);
+        let entries = gpu.buffer("entries", max_rows * entries_bytes, storage | from);
+        let summaries = gpu.buffer("summaries", summaries_bytes, storage | from);
+        let blocks = gpu.buffer("blocks", 4 * max_rows * u64::from(blocks_per_row), storage);
+        let sums = gpu.buffer("sums", max_rows * sums_bytes, storage);
+
+        let group_layout = group_layout(gpu);
+        let bind_group = gpu.bind_group(
+            &group_layout,
+            &[
+                settings_buffer.as_entire_binding(),
+                wgpu::BindingResource::TextureView(atlas),
+                tiles.as_entire_binding(),
+                gpu.constant_buffer("delta form factors", &factors, storage)
+                    .as_entire_binding(),
+                sums.as_entire_binding(),
+                blocks.as_entire_binding(),
+                entries.as_entire_binding(),
+                summaries.as_entire_binding(),
+            ],
+        );
+        let module = gpu.shader("merger.wgsl", structs::merger_wgsl());
+        let pipeline = |name| pipeline(gpu, &module, &group_layout, name);
+        Ok(Self {
+            settings: MergeSettings {
+                resolution: layout.resolution,
+                patch_count,
+                blocks_per_row,
+                row_count: 0,
+            },
+            max_rows: max_rows as u32,
+            add_pixels: pipeline("add_pixels"),
+            count_entries: pipeline("count_entries"),
+            place_entries: pipeline("place_entries"),
+            write_entries: pipeline("write_entries"),
+            bind_group,
+            settings_buffer,
+            tiles,
+            entries,
+            summaries,
+            summaries_readback: gpu.buffer("summaries readback", summaries_bytes, to | map),
+            entries_readback: gpu.buffer("entries readback", 0, to | map),
+        })
+    }
+
+    /// The most rows in a batch.
+    pub fn max_rows(&self) -> u32 {
+        self.max_rows
+    }
+
+    /// Describes a hemicube's tile to [`Self::add`].
+    pub fn tile(&self, [origin_x, origin_y]: [u32; 2], row: u32, tile: usize) -> Tile {
+        let pixels = self.settings.resolution.pow(2);
+        // The table holds the top, then the one half face that serves all sides.
+        let (first_factor, factor_period) = if tile == 0 {
+            (0, pixels)
+        } else {
+            (pixels, pixels / 2)
+        };
+        Tile {
+            origin_x,
+            origin_y,
+            row,
+            first_factor,
+            factor_period,
+        }
+    }
+
+    /// Starts a batch of at most [`Self::max_rows`] rows.
+    pub fn start(&mut self, gpu: &Gpu, row_count: u32) {
+        self.settings.row_count = row_count;
+        gpu.queue
+            .write_buffer(&self.settings_buffer, 0, bytemuck::bytes_of(&self.settings));
+    }
+
+    /// Adds tiles of the atlas to the rows.
+    pub fn add(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, tiles: &[Tile]) {
+        gpu.queue
+            .write_buffer(&self.tiles, 0, bytemuck::cast_slice(tiles));
+        let pixels = self.settings.resolution.pow(2);
+        let mut pass = self.pass(encoder);
+        pass.set_pipeline(&self.add_pixels);
+        pass.dispatch_workgroups(
+            pixels.div_ceil(WORKGROUP_SIZE * PIXELS_PER_THREAD),
+            tiles.len() as u32,
+            1,
+        );
+    }
+
+    /// Picks out the sums that are not zero, and sets all to zero for the next batch.
+    pub fn finish(&self, encoder: &mut wgpu::CommandEncoder) {
+        let MergeSettings {
+            blocks_per_row,
+            row_count,
+            ..
+        } = self.settings;
+        let mut pass = self.pass(encoder);
+        pass.set_pipeline(&self.count_entries);
+        pass.dispatch_workgroups(blocks_per_row, row_count, 1);
+        pass.set_pipeline(&self.place_entries);
+        pass.dispatch_workgroups(1, 1, 1);
+        pass.set_pipeline(&self.write_entries);
+        pass.dispatch_workgroups(blocks_per_row, row_count, 1);
+        drop(pass);
+        encoder.copy_buffer_to_buffer(
+            &self.summaries,
+            0,
+            &self.summaries_readback,
+            0,
+            self.summaries_bytes(),
+        );
+    }
+
+    /// Reads a batch whose [`Self::finish`] has been carried out.
+    pub fn read(&mut self, gpu: &Gpu, patches: Range<u32>) -> Result<RowBatch, BackendError> {
+        let summaries: Vec<RowSummary> = gpu.read(
+            &self.summaries_readback,
+            self.summaries_bytes(),
+            bytemuck::pod_collect_to_vec,
+        )?;
+        let count = summaries.last().map_or(0, |summary| summary.end);
+        let entries = self.read_entries(gpu, count)?;
+        let mut batch = RowBatch::new(patches.start);
+        let mut start = 0;
+        for summary in summaries {
+            let end = summary.end as usize;
+            let row = entries
+                .get(start..end)
+                .ok_or_else(|| gpu.lost("its sums are not those of any row"))?;
+            let unseen = Unseen {
+                open: summary.open,
+                back_face: summary.back_face,
+            };
+            batch.push(row, unseen);
+            start = end;
+        }
+        Ok(batch)
+    }
+
+    fn read_entries(&mut self, gpu: &Gpu, count: u32) -> Result<Vec<Entry>, BackendError> {
+        let bytes = u64::from(count) * size_of::<Entry>() as u64;
+        if bytes == 0 {
+            return Ok(Vec::new());
+        }
+        if bytes > self.entries_readback.size() {
+            self.entries_readback = gpu.buffer(
+                "entries readback",
+                bytes.next_power_of_two().min(self.entries.size()),
+                self.entries_readback.usage(),
+            );
+        }
+        let mut encoder = gpu.encoder();
+        encoder.copy_buffer_to_buffer(&self.entries, 0, &self.entries_readback, 0, bytes);
+        gpu.run(encoder)?;
+        gpu.read(&self.entries_readback, bytes, bytemuck::pod_collect_to_vec)
+    }
+
+    fn summaries_bytes(&self) -> u64 {
+        u64::from(self.settings.row_count) * size_of::<RowSummary>() as u64
+    }
+
+    fn pass<'a>(&self, encoder: &'a mut wgpu::CommandEncoder) -> wgpu::ComputePass<'a> {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        pass.set_bind_group(0, &self.bind_group, &[]);
+        pass
+    }
+}
+
+/// One layout for all four shaders, of which each uses a part.
+fn group_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
+    let buffer = |ty| wgpu::BindingType::Buffer {
+        ty,
+        has_dynamic_offset: false,
+        min_binding_size: None,
+    };
+    let read_only = buffer(wgpu::BufferBindingType::Storage { read_only: true });
+    let read_write = buffer(wgpu::BufferBindingType::Storage { read_only: false });
+    let atlas = wgpu::BindingType::Texture {
+        sample_type: wgpu::TextureSampleType::Uint,
+        view_dimension: wgpu::TextureViewDimension::D2,
+        multisampled: false,
+    };
+    let types = [
+        buffer(wgpu::BufferBindingType::Uniform),
+        atlas,
+        read_only,
+        read_only,
+        read_write,
+        read_write,
+        read_write,
+        read_write,
+    ];
+    let entries: Vec<_> = (0..)
+        .zip(types)
+        .map(|(binding, ty)| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty,
+            count: None,
+        })
+        .collect();
+    gpu.device
+        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("merger"),
+            entries: &entries,
+        })
+}
+
+fn pipeline(
+    gpu: &Gpu,
+    module: &wgpu::ShaderModule,
+    group_layout: &wgpu::BindGroupLayout,
+    entry_point: &str,
+) -> wgpu::ComputePipeline {
+    let layout = gpu
+        .device
+        .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("merger"),
+            bind_group_layouts: &[Some(group_layout)],
+            immediate_size: 0,
+        });
+    gpu.device
+        .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(entry_point),
+            layout: Some(&layout),
+            module,
+            entry_point: Some(entry_point),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        })
+}

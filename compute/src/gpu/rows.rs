@@ -1,0 +1,233 @@
+//! Form factor rows from hemicubes drawn on the GPU. Twin of [`crate::cpu::CpuRows`].
+
+use std::ops::Range;
+use std::time::{Duration, Instant};
+
+use scene::{PatchId, Scene};
+
+use super::adapter::{AdapterChoice, Gpu};
+use super::item_buffer::{AtlasDrawer, TILES_PER_HEMICUBE};
+use super::merger::Merger;
+use super::structs::Tile;
+use crate::delta_form_factors::DeltaFormFactors;
+use crate::hemicube::{self, Frame};
+use crate::rows::{BackendError, RowBatch, RowSource};
+use crate::settings::{FormFactorSettings, Points};
+
+/// The gpu back end.
+#[derive(Debug)]
+pub struct GpuRows<'a> {
+    scene: &'a Scene,
+    points: Points,
+    drawer: AtlasDrawer,
+    merger: Merger,
+    pace: Pace,
+    /// What the merger will be told of the tiles added to the drawer.
+    tiles: Vec<Tile>,
+    // Last, so that it outlives what was made with it.
+    gpu: Gpu,
+}
+
+impl<'a> GpuRows<'a> {
+    /// A back end on the best adapter that the choice accepts.
+    pub fn new(
+        scene: &'a Scene,
+        settings: FormFactorSettings,
+        choice: AdapterChoice,
+    ) -> Result<Self, BackendError> {
+        let gpu = Gpu::open(choice)?;
+        let drawer = AtlasDrawer::new(&gpu, scene, settings.resolution)?;
+        let factors = DeltaFormFactors::new(
+            settings.maps,
+            settings.resolution,
+            settings.units_per_hemicube(),
+        );
+        let merger = Merger::new(
+            &gpu,
+            drawer.view(),
+            drawer.layout(),
+            &factors,
+            scene.patch_count(),
+            settings.points.count(),
+        )?;
+        let pace = Pace::new(drawer.layout().tiles());
+        // What goes wrong up to here, such as memory running out, speaks against the adapter.
+        gpu.check()
+            .map_err(|error| gpu.unsuitable(error.to_string()))?;
+        Ok(Self {
+            scene,
+            points: settings.points,
+            drawer,
+            merger,
+            pace,
+            tiles: Vec::new(),
+            gpu,
+        })
+    }
+
+    /// The adapter's name and the interface it is driven through.
+    pub fn adapter(&self) -> &str {
+        self.gpu.name()
+    }
+
+    /// The item buffer of the hemicube at `frame` on a patch, in the layout and with the codes of
+    /// [`crate::cpu::item_buffer::HemicubeDrawer::item_buffer`]. It is read back pixel by pixel, which
+    /// is slow; rows never are.
+    pub fn item_buffer(&mut self, patch: PatchId, frame: &Frame) -> Result<Vec<u32>, BackendError> {
+        let own = self.scene.mesh().surface_of(patch);
+        let frames = hemicube::frames(self.scene, patch, self.points);
+        // A frame that is not one of the patch's own is drawn where the first of them is.
+        let point = frames.iter().position(|f| f == frame).unwrap_or(0);
+        let layout = self.drawer.layout();
+        let mut ids = Vec::with_capacity(hemicube::pixel_count(layout.resolution));
+        for tile in 0..TILES_PER_HEMICUBE {
+            let origin = layout.origin(self.hemicube(patch, point), tile);
+            self.drawer.add(self.scene, own, frame, tile, origin);
+            let mut encoder = self.gpu.encoder();
+            self.drawer.draw(&self.gpu, &mut encoder);
+            self.gpu.run(encoder)?;
+            ids.extend(self.drawer.read(&self.gpu, origin)?);
+        }
+        Ok(ids)
+    }
+
+    /// Number of a hemicube among all of the scene's.
+    fn hemicube(&self, patch: PatchId, point: usize) -> u64 {
+        u64::from(patch.0) * u64::from(self.points.count()) + point as u64
+    }
+
+    /// Rows of at most as many patches as the merger takes in a batch.
+    fn draw_batch(&mut self, patches: Range<u32>) -> Result<RowBatch, BackendError> {
+        self.merger.start(&self.gpu, patches.len() as u32);
+        for (row, patch) in (0..).zip(patches.clone()) {
+            let own = self.scene.mesh().surface_of(PatchId(patch));
+            let frames = hemicube::frames(self.scene, PatchId(patch), self.points);
+            for (point, frame) in frames.iter().enumerate() {
+                let hemicube = self.hemicube(PatchId(patch), point);
+                for tile in 0..TILES_PER_HEMICUBE {
+                    if self.tiles.len() as u32 >= self.pace.tiles
+                        || !self.drawer.has_room(self.scene, own)
+                    {
+                        self.submit(|_, _| {})?;
+                    }
+                    let origin = self.drawer.layout().origin(hemicube, tile);
+                    self.drawer.add(self.scene, own, frame, tile, origin);
+                    self.tiles.push(self.merger.tile(origin, row, tile));
+                }
+            }
+        }
+        self.submit(Merger::finish)?;
+        self.merger.read(&self.gpu, patches)
+    }
+
+    /// Draws and sums the tiles collected so far, and does what the merger is to do then.
+    fn submit(
+        &mut self,
+        then: impl FnOnce(&Merger, &mut wgpu::CommandEncoder),
+    ) -> Result<(), BackendError> {
+        let start = Instant::now();
+        let mut encoder = self.gpu.encoder();
+        self.drawer.draw(&self.gpu, &mut encoder);
+        self.merger.add(&self.gpu, &mut encoder, &self.tiles);
+        then(&self.merger, &mut encoder);
+        self.gpu.run(encoder)?;
+        self.pace.learn(self.tiles.len() as u32, start.elapsed());
+        self.tiles.clear();
+        Ok(())
+    }
+}
+
+impl RowSource for GpuRows<'_> {
+    fn draw_rows(&mut self, patches: Range<u32>) -> Result<RowBatch, BackendError> {
+        self.gpu.check()?;
+        let mut rows = RowBatch::new(patches.start);
+        let mut start = patches.start;
+        while start < patches.end {
+            let end = patches
+                .end
+                .min(start.saturating_add(self.merger.max_rows()));
+            let batch = self.draw_batch(start..end)?;
+            if end - start == patches.len() as u32 {
+                return Ok(batch);
+            }
+            rows.append(&batch);
+            start = end;
+        }
+        Ok(rows)
+    }
+
+    /// A submission's worth of hemicubes; it grows from small as the adapter turns out to be fast.
+    fn preferred_batch(&self) -> u32 {
+        let tiles_per_row = TILES_PER_HEMICUBE as u32 * self.points.count();
+        (self.pace.tiles / tiles_per_row).clamp(1, self.merger.max_rows())
+    }
+
+    fn describe(&self) -> String {
+        format!("gpu, {}", self.adapter())
+    }
+}
+
+/// How many tiles go into a submission.
+#[derive(Clone, Copy, Debug)]
+struct Pace {
+    tiles: u32,
+    most: u32,
+}
+
+impl Pace {
+    /// How long a submission should take. Watchdogs bite after 2 s and up; a desktop that shares
+    /// the GPU stutters after a fraction of that; a tenth of a second makes any overhead small.
+    const TARGET: Duration = Duration::from_millis(100);
+    /// Hemicubes in the first submission, with nothing known about the adapter.
+    const FIRST_HEMICUBES: u32 = 8;
+    /// The most that one measurement makes submissions grow.
+    const MAX_GROWTH: f64 = 4.0;
+
+    fn new(most: u32) -> Self {
+        let first = Self::FIRST_HEMICUBES * TILES_PER_HEMICUBE as u32;
+        Self {
+            tiles: first.min(most),
+            most,
+        }
+    }
+
+    /// Takes into account that a submission of that many tiles took that long.
+    fn learn(&mut self, tiles: u32, duration: Duration) {
+        let per_tile = duration.as_secs_f64() / f64::from(tiles.max(1));
+        // A small submission says little of a large one.
+        let most = (f64::from(tiles) * Self::MAX_GROWTH).max(self.tiles.into());
+        let mut wanted = (Self::TARGET.as_secs_f64() / per_tile).min(most);
+        if duration <= Self::TARGET {
+            // A batch's last submission is a small one, and is mostly overhead.
+            wanted = wanted.max(self.tiles.into());
+        }
+        self.tiles = (wanted as u32).clamp(1, self.most);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn submissions_grow_towards_the_target_and_shrink_at_once() {
+        let mut pace = Pace::new(1000);
+        let per_tile = Pace::TARGET / 500;
+        for _ in 0..5 {
+            let before = pace.tiles;
+            pace.learn(before, per_tile * before);
+            assert!(f64::from(pace.tiles) <= f64::from(before) * Pace::MAX_GROWTH);
+        }
+        assert!((499..=500).contains(&pace.tiles), "{}", pace.tiles);
+        // A last, small submission teaches nothing new.
+        pace.learn(3, per_tile * 30);
+        assert!((499..=500).contains(&pace.tiles), "{}", pace.tiles);
+        pace.learn(500, Pace::TARGET * 100);
+        assert_eq!(pace.tiles, 5);
+        pace.learn(5, Pace::TARGET * 1000);
+        assert_eq!(pace.tiles, 1);
+        pace.learn(1, Duration::ZERO);
+        assert_eq!(pace.tiles, 4);
+        Pace::new(2).learn(2, Duration::ZERO);
+    }
+}

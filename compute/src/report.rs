@@ -1,0 +1,313 @@
+//! What a run did: the report, and its short form for people.
+//!
+//! # Theory
+//! Power balance, by channel, W: what is emitted, sum A E, is absorbed, sum A (1 - rho) H, or lost
+//! through openings, sum A B f with f the share of a patch's hemisphere that sees nothing, or lost to
+//! back faces, which are black. At the solution they balance up to the error of the form factors'
+//! reciprocity: patches gather by F_ij, and leave by F_ji. The imbalance says how large that is.
+
+use glam::DVec3;
+use scene::{Scene, Solution};
+use serde::Serialize;
+
+use crate::quantity::{show_duration, show_size};
+use crate::row_cache::RowCache;
+use crate::settings::{Maps, Settings, SolverChoice};
+
+/// Why a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StoppedBy {
+    /// The residual reached the tolerance.
+    Tolerance,
+    /// The iterations asked for were done.
+    Iterations,
+    /// The time was over.
+    TimeLimit,
+    /// The user asked.
+    Interrupt,
+}
+
+impl StoppedBy {
+    fn describe(self) -> &'static str {
+        match self {
+            Self::Tolerance => "converged to the tolerance",
+            Self::Iterations => "stopped by --iterations",
+            Self::TimeLimit => "stopped by --time-limit, not converged",
+            Self::Interrupt => "interrupted, not converged",
+        }
+    }
+}
+
+/// Everything about a run.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// Version of the program.
+    pub version: &'static str,
+    /// The scene.
+    pub input: String,
+    /// The result.
+    pub output: String,
+    /// What was asked for.
+    pub settings: SettingsReport,
+    /// Who drew.
+    pub backend: BackendReport,
+    /// Number of patches.
+    pub patches: u32,
+    /// Number of surfaces.
+    pub surfaces: usize,
+    /// Hemicubes drawn, those drawn again included.
+    pub hemicubes_drawn: u64,
+    /// Form factors.
+    pub rows: RowsReport,
+    /// Seconds by stage.
+    pub seconds: Seconds,
+    /// Peak memory of the process, bytes; null where the system does not tell.
+    pub peak_memory_bytes: Option<u64>,
+    /// Iterations the solution has had.
+    pub iterations: u64,
+    /// Of them, those before this run.
+    pub iterations_before: u64,
+    /// Relative residual after each iteration, dimensionless.
+    pub residuals: Vec<f64>,
+    /// Power balance.
+    pub energy: Energy,
+    /// Row sums; null where no row was drawn in this run.
+    pub closure: Option<Closure>,
+    /// Mean share of a hemisphere that sees back faces, by area; null as above.
+    pub back_face_share: Option<f64>,
+    /// Why it ended.
+    pub stopped_by: StoppedBy,
+}
+
+/// The settings that matter for the result.
+#[derive(Clone, Debug, Serialize)]
+pub struct SettingsReport {
+    /// Pixels along a face.
+    pub resolution: u32,
+    /// Multipliers.
+    pub maps: Maps,
+    /// Hemicubes' places.
+    pub points: String,
+    /// Solver.
+    pub solver: SolverChoice,
+    /// Relative residual to stop at.
+    pub tolerance: f64,
+    /// Iterations to stop at.
+    pub iterations: Option<u64>,
+    /// Seconds to stop after.
+    pub time_limit_seconds: Option<f64>,
+    /// Threads.
+    pub threads: usize,
+    /// Budget of kept form factors.
+    pub memory_bytes: u64,
+}
+
+/// Who drew.
+#[derive(Clone, Debug, Serialize)]
+pub struct BackendReport {
+    /// `cpu` or `gpu`.
+    pub name: &'static str,
+    /// Threads, or the adapter's name.
+    pub adapter: String,
+}
+
+/// What became of the form factors.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct RowsReport {
+    /// Rows kept.
+    pub kept: u64,
+    /// Their memory.
+    pub kept_bytes: u64,
+}
+
+/// Seconds by stage.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Seconds {
+    /// Reading the scene.
+    pub load: f64,
+    /// Opening the back end.
+    pub open: f64,
+    /// Drawing hemicubes and merging their pixels.
+    pub draw: f64,
+    /// Everything else of the iterations.
+    pub solve: f64,
+    /// Writing results and checkpoints.
+    pub write: f64,
+    /// All.
+    pub total: f64,
+}
+
+/// Power balance, W, by channel.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Energy {
+    /// By lamps.
+    pub emitted_w: [f64; 3],
+    /// By patches.
+    pub absorbed_w: [f64; 3],
+    /// Through openings; null where no row was drawn in this run.
+    pub lost_w: Option<[f64; 3]>,
+    /// To back faces; null as above.
+    pub back_faces_w: Option<[f64; 3]>,
+    /// (emitted - absorbed - lost - back faces) / emitted, all channels together, dimensionless; null
+    /// where something is unknown or nothing is emitted.
+    pub imbalance: Option<f64>,
+}
+
+/// Row sums, dimensionless.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Closure {
+    /// Smallest.
+    pub min: f64,
+    /// By area.
+    pub mean: f64,
+    /// Largest.
+    pub max: f64,
+}
+
+/// Power balance, row sums and share of back faces.
+pub fn measure(
+    scene: &Scene,
+    solution: &Solution,
+    rows: &RowCache,
+) -> (Energy, Option<Closure>, Option<f64>) {
+    let areas = scene.patch_areas();
+    let reflectance = scene.patch_reflectances();
+    let radiosity = solution.radiosity(scene);
+    let units_per_one = f64::from(rows.units_per_one());
+    let [mut absorbed, mut lost, mut back] = [DVec3::ZERO; 3];
+    let (mut sum_min, mut sum_max) = (f64::INFINITY, f64::NEG_INFINITY);
+    let (mut sum_area, mut back_area, mut drawn_area) = (0.0, 0.0, 0.0);
+    let mut all_drawn = true;
+    for (i, &area) in areas.iter().enumerate() {
+        let irradiance = solution.irradiance[i].as_dvec3();
+        absorbed += area * (1.0 - reflectance[i].as_dvec3()) * irradiance;
+        let Some(unseen) = rows.unseen()[i] else {
+            all_drawn = false;
+            continue;
+        };
+        let open = f64::from(unseen.open) / units_per_one;
+        let back_face = f64::from(unseen.back_face) / units_per_one;
+        let leaving = area * radiosity[i].as_dvec3();
+        lost += open * leaving;
+        back += back_face * leaving;
+        let sum = f64::from(rows.units_per_one() - unseen.open - unseen.back_face) / units_per_one;
+        sum_min = sum_min.min(sum);
+        sum_max = sum_max.max(sum);
+        sum_area += area * sum;
+        back_area += area * back_face;
+        drawn_area += area;
+    }
+    let emitted = scene.emitted_power();
+    let total = emitted.element_sum();
+    let energy = Energy {
+        emitted_w: emitted.into(),
+        absorbed_w: absorbed.into(),
+        lost_w: all_drawn.then(|| lost.into()),
+        back_faces_w: all_drawn.then(|| back.into()),
+        imbalance: (all_drawn && total > 0.0)
+            .then(|| (emitted - absorbed - lost - back).element_sum() / total),
+    };
+    let any_drawn = drawn_area > 0.0;
+    let closure = any_drawn.then(|| Closure {
+        min: sum_min,
+        mean: sum_area / drawn_area,
+        max: sum_max,
+    });
+    (energy, closure, any_drawn.then(|| back_area / drawn_area))
+}
+
+/// Peak resident memory of this process, bytes, where the system tells (Linux).
+pub fn peak_memory_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kibibytes * 1024)
+}
+
+impl Report {
+    /// A few lines for people.
+    pub fn summary(&self) -> String {
+        let mut lines = vec![
+            format!("output         {}", self.output),
+            format!(
+                "scene          {} patches on {} surfaces",
+                self.patches, self.surfaces
+            ),
+            format!(
+                "back end       {} ({})",
+                self.backend.name, self.backend.adapter
+            ),
+            format!(
+                "time           {}: drawing {}, solving {}, files {}",
+                show_duration(duration(self.seconds.total)),
+                show_duration(duration(self.seconds.draw)),
+                show_duration(duration(self.seconds.solve)),
+                show_duration(duration(self.seconds.load + self.seconds.write)),
+            ),
+        ];
+        if self.hemicubes_drawn > 0 {
+            lines.push(format!(
+                "hemicubes      {} drawn, {:.0} a second; form factors take {}",
+                self.hemicubes_drawn,
+                self.hemicubes_drawn as f64 / self.seconds.draw.max(1e-9),
+                show_size(self.rows.kept_bytes),
+            ));
+        }
+        let [r, g, b] = self.energy.emitted_w;
+        lines.push(format!(
+            "emitted power  {:.6} W (red {r:.6}, green {g:.6}, blue {b:.6})",
+            r + g + b
+        ));
+        if let Some(imbalance) = self.energy.imbalance {
+            let sum = |w: Option<[f64; 3]>| w.map_or(0.0, |w| w.iter().sum());
+            let share = |power: f64| 100.0 * power / (r + g + b);
+            lines.push(format!(
+                "power balance  absorbed {:.3} %, lost through openings {:.3} %, to back faces {:.3} %, imbalance {:.3} %",
+                share(self.energy.absorbed_w.iter().sum()),
+                share(sum(self.energy.lost_w)),
+                share(sum(self.energy.back_faces_w)),
+                100.0 * imbalance,
+            ));
+        }
+        if let Some(closure) = self.closure {
+            lines.push(format!(
+                "row sums       {:.6} to {:.6}, mean {:.6}",
+                closure.min, closure.max, closure.mean
+            ));
+        }
+        let residual = self
+            .residuals
+            .last()
+            .map_or_else(|| "none".to_owned(), |residual| format!("{residual:.2e}"));
+        lines.push(format!(
+            "result         {} iterations, residual {residual}, {}",
+            self.iterations,
+            self.stopped_by.describe(),
+        ));
+        lines.join("\n")
+    }
+}
+
+fn duration(seconds: f64) -> std::time::Duration {
+    std::time::Duration::try_from_secs_f64(seconds).unwrap_or_default()
+}
+
+impl SettingsReport {
+    /// The settings of a run on so many threads.
+    pub fn new(settings: &Settings, threads: usize) -> Self {
+        Self {
+            resolution: settings.form_factors.resolution,
+            maps: settings.form_factors.maps,
+            points: settings.form_factors.points.to_string(),
+            solver: settings.solver,
+            tolerance: settings.tolerance,
+            iterations: settings.max_iterations,
+            time_limit_seconds: settings.time_limit.map(|limit| limit.as_secs_f64()),
+            threads,
+            memory_bytes: settings.memory_bytes,
+        }
+    }
+}

@@ -1,0 +1,271 @@
+//! A whole run: load, solve with checkpoints, write, report.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+use scene::file::{self, OutputLock};
+use scene::{Scene, Solution};
+
+use crate::backend::{self, Backend};
+use crate::problem::Problem;
+use crate::progress::{Position, Progress};
+use crate::report::{self, BackendReport, Report, RowsReport, Seconds, SettingsReport, StoppedBy};
+use crate::row_cache::RowCache;
+use crate::settings::{Settings, SolverChoice};
+use crate::solver::{Gather, Shoot, Solver, Update};
+use crate::{form_factors_csv, interrupt};
+
+/// Does what was asked for, and says on standard error what a user should know on the way.
+///
+/// # Errors
+/// Files that cannot be read or written, and a back end that cannot go on. What was solved until
+/// then has been written to the output, if it can be written.
+pub fn run(settings: &Settings) -> anyhow::Result<Report> {
+    // First of all, so that a missing folder or another program's lock costs no work.
+    let outputs = [
+        Some(&settings.output),
+        settings.report.as_ref(),
+        settings.form_factors_csv.as_ref(),
+    ];
+    let _locks: Vec<OutputLock> = outputs
+        .into_iter()
+        .flatten()
+        .map(|path| OutputLock::acquire(path))
+        .collect::<Result<_, _>>()?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(settings.threads.unwrap_or(0))
+        .build()
+        .context("the threads could not be started")?;
+    pool.install(|| Run::new(settings).run())
+}
+
+/// A run under way.
+struct Run<'a> {
+    settings: &'a Settings,
+    start: Instant,
+    seconds: Seconds,
+}
+
+/// What a run starts from.
+struct Start {
+    solution: Solution,
+    iterations_before: u64,
+    /// False where the residual so far tells nothing about these settings.
+    residual_holds: bool,
+}
+
+impl<'a> Run<'a> {
+    fn new(settings: &'a Settings) -> Self {
+        Self {
+            settings,
+            start: Instant::now(),
+            seconds: Seconds::default(),
+        }
+    }
+
+    fn run(mut self) -> anyhow::Result<Report> {
+        let settings = self.settings;
+        let (scene, solution) = file::load(&settings.input)?;
+        self.seconds.load = self.start.elapsed().as_secs_f64();
+
+        let opening = Instant::now();
+        let Backend {
+            name,
+            source,
+            remark,
+        } = backend::open(&scene, settings.form_factors, settings.backend)?;
+        self.seconds.open = opening.elapsed().as_secs_f64();
+        if let Some(remark) = remark {
+            eprintln!("compute: {remark}");
+        }
+        let mut rows = RowCache::new(&scene, source, settings.form_factors, settings.memory_bytes);
+        if let Some(path) = &settings.form_factors_csv {
+            form_factors_csv::save(path, &mut rows, scene.patch_count())?;
+        }
+
+        let start = self.start_from(&scene, solution);
+        let iterations_before = start.iterations_before;
+        let residual_holds = start.residual_holds;
+        let mut solver = solver(settings.solver, &scene, start.solution);
+        let result = self.iterate(&scene, solver.as_mut(), &mut rows, residual_holds);
+
+        let solution = solver.snapshot();
+        let saved = self.save(&scene, &solution);
+        // What failed first is what the user needs to know.
+        let stopped_by = match result {
+            Ok(stopped_by) => stopped_by,
+            Err(error) => {
+                saved?;
+                let kept = format!("what was solved so far is in {}", settings.output.display());
+                return Err(error.context(kept));
+            }
+        };
+        saved?;
+        if solver.iterations() == iterations_before && stopped_by == StoppedBy::Iterations {
+            eprintln!(
+                "compute: nothing to do: {} has had {iterations_before} iterations",
+                settings.input.display()
+            );
+        }
+
+        let statistics = rows.statistics();
+        self.seconds.draw = statistics.duration.as_secs_f64();
+        self.seconds.total = self.start.elapsed().as_secs_f64();
+        self.seconds.solve = (self.seconds.total
+            - self.seconds.load
+            - self.seconds.open
+            - self.seconds.draw
+            - self.seconds.write)
+            .max(0.0);
+        let (energy, closure, back_face_share) = report::measure(&scene, &solution, &rows);
+        let report = Report {
+            version: env!("CARGO_PKG_VERSION"),
+            input: settings.input.display().to_string(),
+            output: settings.output.display().to_string(),
+            settings: SettingsReport::new(settings, rayon::current_num_threads()),
+            backend: BackendReport {
+                name,
+                adapter: rows.describe_source(),
+            },
+            patches: scene.patch_count(),
+            surfaces: scene.surfaces().len(),
+            hemicubes_drawn: statistics.hemicubes,
+            rows: RowsReport {
+                kept: statistics.kept_rows,
+                kept_bytes: statistics.kept_bytes,
+            },
+            seconds: self.seconds,
+            peak_memory_bytes: report::peak_memory_bytes(),
+            iterations: solver.iterations(),
+            iterations_before,
+            residuals: solution.provenance.residuals,
+            energy,
+            closure,
+            back_face_share,
+            stopped_by,
+        };
+        if let Some(path) = &settings.report {
+            write_report(path, &report)?;
+        }
+        Ok(report)
+    }
+
+    /// The state to go on from: the file's own where it was made with the same settings, else its
+    /// irradiances alone.
+    fn start_from(&self, scene: &Scene, solution: Option<Solution>) -> Start {
+        let description = describe(self.settings);
+        let fresh = solution.is_none();
+        let mut solution = solution.unwrap_or_else(|| Solution::dark(scene));
+        let iterations_before = solution.provenance.iterations;
+        let same = solution.provenance.settings == description;
+        if !fresh && !same {
+            eprintln!(
+                "compute: {} was solved with other settings ({}); its radiosities are the start",
+                self.settings.input.display(),
+                solution.provenance.settings,
+            );
+        }
+        if !same {
+            solution.unfinished = None;
+            solution.unshot = None;
+        }
+        solution.provenance.solver = self.settings.solver.to_string();
+        solution.provenance.settings = description;
+        Start {
+            solution,
+            iterations_before,
+            residual_holds: same,
+        }
+    }
+
+    /// Iterates until something says stop.
+    fn iterate(
+        &mut self,
+        scene: &Scene,
+        solver: &mut dyn Solver,
+        rows: &mut RowCache,
+        mut residual_holds: bool,
+    ) -> anyhow::Result<StoppedBy> {
+        let settings = self.settings;
+        let mut progress = Progress::new(settings.tolerance);
+        let mut last_checkpoint = Instant::now();
+        let stopped_by = loop {
+            if settings
+                .max_iterations
+                .is_some_and(|most| solver.iterations() >= most)
+            {
+                break StoppedBy::Iterations;
+            }
+            if residual_holds && solver.residual().is_some_and(|r| r <= settings.tolerance) {
+                break StoppedBy::Tolerance;
+            }
+            if interrupt::requested() {
+                break StoppedBy::Interrupt;
+            }
+            if settings
+                .time_limit
+                .is_some_and(|limit| self.start.elapsed() >= limit)
+            {
+                break StoppedBy::TimeLimit;
+            }
+            let step = solver.step(rows)?;
+            residual_holds |= step.ends_iteration;
+            let statistics = rows.statistics();
+            progress.show(Position {
+                iterations: solver.iterations(),
+                share_done: step.share_done,
+                residual: solver.residual().filter(|_| residual_holds),
+                hemicubes: statistics.hemicubes,
+                drawing: statistics.duration,
+            });
+            if last_checkpoint.elapsed() >= settings.checkpoint_every.max(MIN_CHECKPOINT_INTERVAL) {
+                // The work goes on: the disk may have room again by the end.
+                if let Err(error) = self.save(scene, &solver.snapshot()) {
+                    progress.say(&format!("compute: warning: no checkpoint: {error:#}"));
+                }
+                last_checkpoint = Instant::now();
+            }
+        };
+        progress.finish();
+        Ok(stopped_by)
+    }
+
+    fn save(&mut self, scene: &Scene, solution: &Solution) -> anyhow::Result<()> {
+        let start = Instant::now();
+        let saved = file::save(&self.settings.output, scene, Some(solution));
+        self.seconds.write += start.elapsed().as_secs_f64();
+        Ok(saved?)
+    }
+}
+
+/// Checkpoints more often than this would do nothing but write.
+const MIN_CHECKPOINT_INTERVAL: Duration = Duration::from_millis(50);
+
+fn solver(choice: SolverChoice, scene: &Scene, start: Solution) -> Box<dyn Solver> {
+    let problem = Problem::new(scene);
+    match choice {
+        SolverChoice::Jacobi => Box::new(Gather::new(problem, Update::AfterIteration, start)),
+        SolverChoice::GaussSeidel => Box::new(Gather::new(problem, Update::AtOnce, start)),
+        SolverChoice::Shooting => Box::new(Shoot::new(problem, start)),
+    }
+}
+
+/// The settings on which the result depends; a file made with the same goes on bit for bit.
+fn describe(settings: &Settings) -> String {
+    let form_factors = settings.form_factors;
+    format!(
+        "{}, {} pixels, {:?} maps, points {}",
+        settings.solver, form_factors.resolution, form_factors.maps, form_factors.points
+    )
+    .to_lowercase()
+}
+
+fn write_report(path: &Path, report: &Report) -> anyhow::Result<()> {
+    let json = serde_json::to_vec_pretty(report).context("the report cannot be written as JSON")?;
+    file::write_atomically(path, |out| {
+        out.write_all(&json)?;
+        out.write_all(b"\n")
+    })?;
+    Ok(())
+}
