@@ -9,6 +9,8 @@ use crate::MAX_PATCHES;
 pub enum SceneError {
     #[error("the scene has no surfaces; give at least one triangle")]
     NoSurfaces,
+    #[error("the scene's origin {origin} is not finite")]
+    Origin { origin: glam::DVec3 },
     #[error(
         "material \"{material}\": {channel} reflectance {value} is outside [0, 1); clamp it, for example to 0.99"
     )]
@@ -56,6 +58,8 @@ pub enum SceneError {
     AreaThreshold { value: f64 },
     #[error("the solution has {values} irradiances, the scene has {patches} patches")]
     SolutionLength { values: usize, patches: u32 },
-    #[error("patch {patch}: irradiance {value} W/m^2 is not a finite number >= 0")]
+    #[error(
+        "patch {patch}: {value} W/m^2 is no irradiance (finite, >= 0) or unshot radiosity (finite)"
+    )]
     Irradiance { patch: u32, value: f32 },
 }

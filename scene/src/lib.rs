@@ -2,7 +2,7 @@
 //!
 //! A [`Scene`] has few *surfaces* (triangles, which occlude) and many *patches* (the unknowns, the
 //! leaves of the surfaces' bisection trees). A [`Solution`] holds the irradiance of each patch.
-//! Both live in one kind of [`file`]; scenes come from [`obj`] files or from models, and results
+//! Both live in one kind of [`mod@file`]; scenes come from [`obj`] files or models, and results
 //! leave as [`export`]s.
 //!
 //! Lengths are metres, powers W, exitances and irradiances W/m^2, colours linear RGB.

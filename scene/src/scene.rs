@@ -54,6 +54,9 @@ impl Scene {
         if surfaces.is_empty() {
             return Err(SceneError::NoSurfaces);
         }
+        if !origin.is_finite() {
+            return Err(SceneError::Origin { origin });
+        }
         for material in &materials {
             material.validate()?;
         }

@@ -4,7 +4,7 @@
 //! (self-emitted exitance) and irradiance H, all W/m^2, reflectance rho, dimensionless. The
 //! irradiance is what is stored; the radiosity follows from it.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::{Rgb, Scene, SceneError};
 
@@ -18,7 +18,15 @@ pub struct Provenance {
     /// Iterations the solution has had.
     pub iterations: u64,
     /// Relative residual after each of those iterations, dimensionless.
+    #[serde(deserialize_with = "numbers_or_null")]
     pub residuals: Vec<f64>,
+}
+
+/// JSON knows no infinity and no NaN, and writes null for them. A result must stay readable with
+/// such a residual in its history.
+fn numbers_or_null<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<f64>, D::Error> {
+    let values = Vec::<Option<f64>>::deserialize(deserializer)?;
+    Ok(values.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect())
 }
 
 /// An iteration that was stopped on its way.
@@ -37,7 +45,7 @@ pub struct Solution {
     pub provenance: Provenance,
     /// What an interrupted iteration had reached, if one was.
     pub unfinished: Option<Unfinished>,
-    /// Unshot radiosity, W/m^2, one per patch; shooting only.
+    /// Unshot radiosity, W/m^2, one per patch, may be negative; shooting only.
     pub unshot: Option<Vec<Rgb>>,
 }
 
@@ -52,13 +60,14 @@ impl Solution {
         }
     }
 
-    /// Checks the lengths and that every value is finite and at least 0.
+    /// Checks the lengths, that every value is finite, and that irradiances are at least 0.
     pub fn validate(&self, scene: &Scene) -> Result<(), SceneError> {
         let patches = scene.patch_count();
-        for (values, complete) in [
-            (Some(&self.irradiance), true),
-            (self.unfinished.as_ref().map(|u| &u.irradiance), false),
-            (self.unshot.as_ref(), true),
+        let unfinished = self.unfinished.as_ref().map(|u| &u.irradiance);
+        for (values, complete, least) in [
+            (Some(&self.irradiance), true, 0.0),
+            (unfinished, false, 0.0),
+            (self.unshot.as_ref(), true, f32::MIN),
         ] {
             let Some(values) = values else { continue };
             if values.len() > patches as usize || (complete && values.len() != patches as usize) {
@@ -69,7 +78,7 @@ impl Solution {
             }
             for (patch, value) in values.iter().enumerate() {
                 for value in value.to_array() {
-                    if !(value.is_finite() && value >= 0.0) {
+                    if !(value.is_finite() && value >= least) {
                         return Err(SceneError::Irradiance {
                             patch: patch as u32,
                             value,

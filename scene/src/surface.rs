@@ -43,10 +43,13 @@ impl Surface {
         [p0.distance(p1), p1.distance(p2), p2.distance(p0)]
     }
 
-    /// True where the triangle has no area beyond rounding.
+    /// True where the triangle has no area beyond rounding, whichever corner comes first.
     pub fn is_degenerate(&self) -> bool {
-        let longest = self.side_lengths().into_iter().fold(0.0, f64::max);
-        let double_area = self.double_area_normal().length();
+        // The cross product rounds differently from another corner; a scene that was accepted
+        // must be accepted again when its rotated corners are read back.
+        let rotated = self.with_longest_side_first();
+        let longest = rotated.side_lengths()[0];
+        let double_area = rotated.double_area_normal().length();
         double_area.is_nan() || double_area <= longest * longest * DEGENERATE_HEIGHT_RATIO
     }
 

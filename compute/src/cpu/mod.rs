@@ -2,7 +2,7 @@
 
 pub mod item_buffer;
 mod raster;
-mod rows;
+pub mod rows;
 
 pub use raster::{Cull, Projection, Raster, Sample, plane_tolerance};
 pub use rows::CpuRows;

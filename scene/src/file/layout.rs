@@ -1,5 +1,8 @@
 //! The records of the file format. All are plain little-endian data without padding.
 
+#[cfg(target_endian = "big")]
+compile_error!("files are read and written in place, which needs a little-endian machine");
+
 use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 

@@ -3,15 +3,15 @@
 //! Any result is a valid input again, and a checkpoint is such a file.
 //!
 //! # Layout
-//! Everything is little-endian. A [`layout::Header`] of 64 bytes, then the table of
-//! [`layout::Section`]s, then the sections themselves, each an array of plain records at an offset
-//! that is a multiple of 16, so that a mapped file can be read in place:
+//! Everything is little-endian. The source file `layout.rs` has the records field by field. A
+//! header of 64 bytes, then the table of sections, then the sections themselves, each an array of
+//! plain records at an offset that is a multiple of 16, so that a mapped file can be read in place:
 //!
 //! | section | record | count |
 //! |---|---|---|
-//! | names | JSON: [`layout::Names`] | bytes |
-//! | materials | [`layout::MaterialRecord`] | materials |
-//! | surfaces | [`layout::SurfaceRecord`] | surfaces |
+//! | names | JSON: names of materials and of objects | bytes |
+//! | materials | 6 f32: reflectance; emission, W/m^2 | materials |
+//! | surfaces | 9 f32: corners, metres; 3 u32: material, object, bisections | surfaces |
 //! | provenance | JSON: [`crate::Provenance`] | bytes |
 //! | irradiance | 3 f32, W/m^2 | patches |
 //! | unfinished | 3 f32, W/m^2 | patches done |
@@ -86,6 +86,8 @@ pub enum FileFault {
     Checksum { found: u64, expected: u64 },
     #[error("damaged: {what}")]
     Structure { what: String },
+    #[error("{colors} colours for {patches} patches")]
+    ColorCount { colors: usize, patches: u32 },
     #[error("another program is writing this file (it holds {})", lock.display())]
     Locked { lock: PathBuf },
     #[error(transparent)]

@@ -1,5 +1,7 @@
 //! Reading a file, trusting nothing in it.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 use bytemuck::Pod;
@@ -15,16 +17,37 @@ use crate::{Material, MaterialId, ObjectId, Rgb, Scene, Solution, Surface, Unfin
 
 /// Reads a scene and, where the file has one, its solution.
 pub fn load(path: &Path) -> Result<(Scene, Option<Solution>), FileError> {
-    let bytes = std::fs::read(path).map_err(|source| {
-        FileError::new(
-            path,
-            FileFault::Io {
-                action: "read",
-                source,
-            },
-        )
-    })?;
-    from_bytes(&bytes).map_err(|fault| FileError::new(path, fault))
+    let read = || from_bytes(&read_bytes(path)?);
+    read().map_err(|fault| FileError::new(path, fault))
+}
+
+/// All bytes of a file whose header fits it. A wrong or truncated file is told from its first
+/// bytes and its size, however large it is or claims to be.
+fn read_bytes(path: &Path) -> Result<Vec<u8>, FileFault> {
+    let io = |source| FileFault::Io {
+        action: "read",
+        source,
+    };
+    let mut file = File::open(path).map_err(io)?;
+    let metadata = file.metadata().map_err(io)?;
+    let mut bytes = Vec::new();
+    (&mut file)
+        .take(size_of::<Header>() as u64)
+        .read_to_end(&mut bytes)
+        .map_err(io)?;
+    let header = Header::read(&bytes)?;
+    let rest = header.file_bytes.saturating_sub(bytes.len() as u64);
+    if metadata.is_file() {
+        header.check_size(metadata.len())?;
+        bytes
+            .try_reserve_exact(usize::try_from(rest).unwrap_or(usize::MAX))
+            .map_err(|_| io(std::io::ErrorKind::OutOfMemory.into()))?;
+    }
+    // One byte more tells of a file that grew, or of a pipe that holds too much.
+    file.take(rest.saturating_add(1))
+        .read_to_end(&mut bytes)
+        .map_err(io)?;
+    Ok(bytes)
 }
 
 /// Reads a scene from the bytes of a file.
@@ -63,9 +86,6 @@ pub fn from_bytes(bytes: &[u8]) -> Result<(Scene, Option<Solution>), FileFault> 
         })
         .unzip();
     let origin = DVec3::from(sections.header.origin);
-    if !origin.is_finite() {
-        return Err(structure(format!("origin {origin} is not finite")));
-    }
     let scene = Scene::new(materials, names.objects, surfaces, &depths, origin)?;
 
     if sections.find(kind::IRRADIANCE).is_none() {
@@ -92,6 +112,46 @@ fn structure(what: String) -> FileFault {
     FileFault::Structure { what }
 }
 
+impl Header {
+    /// The header of a file that starts with these bytes.
+    fn read(bytes: &[u8]) -> Result<Self, FileFault> {
+        if bytes.is_empty() {
+            return Err(FileFault::Empty);
+        }
+        let magic_bytes = bytes.len().min(MAGIC.len());
+        if bytes[..magic_bytes] != MAGIC[..magic_bytes] {
+            return Err(FileFault::Magic);
+        }
+        let Some(header) = bytes.get(..size_of::<Self>()) else {
+            return Err(FileFault::Truncated {
+                found: bytes.len() as u64,
+                expected: size_of::<Self>() as u64,
+            });
+        };
+        let header: Self = bytemuck::pod_read_unaligned(header);
+        // Before the sizes: another version may have other sizes.
+        if header.version != VERSION {
+            return Err(FileFault::Version {
+                found: header.version,
+            });
+        }
+        Ok(header)
+    }
+
+    fn check_size(&self, found: u64) -> Result<(), FileFault> {
+        let expected = self.file_bytes;
+        if found < expected {
+            return Err(FileFault::Truncated { found, expected });
+        }
+        if found > expected {
+            return Err(FileFault::TrailingBytes {
+                extra: found - expected,
+            });
+        }
+        Ok(())
+    }
+}
+
 /// A file whose size, checksum and section table have been checked.
 struct Sections<'a> {
     bytes: &'a [u8],
@@ -101,36 +161,8 @@ struct Sections<'a> {
 
 impl<'a> Sections<'a> {
     fn parse(bytes: &'a [u8]) -> Result<Self, FileFault> {
-        let found = bytes.len() as u64;
-        if bytes.is_empty() {
-            return Err(FileFault::Empty);
-        }
-        let magic_bytes = bytes.len().min(MAGIC.len());
-        if bytes[..magic_bytes] != MAGIC[..magic_bytes] {
-            return Err(FileFault::Magic);
-        }
-        let Some(header) = bytes.get(..size_of::<Header>()) else {
-            return Err(FileFault::Truncated {
-                found,
-                expected: size_of::<Header>() as u64,
-            });
-        };
-        let header: Header = bytemuck::pod_read_unaligned(header);
-        // Before the sizes: another version may have other sizes.
-        if header.version != VERSION {
-            return Err(FileFault::Version {
-                found: header.version,
-            });
-        }
-        let expected = header.file_bytes;
-        if found < expected {
-            return Err(FileFault::Truncated { found, expected });
-        }
-        if found > expected {
-            return Err(FileFault::TrailingBytes {
-                extra: found - expected,
-            });
-        }
+        let header = Header::read(bytes)?;
+        header.check_size(bytes.len() as u64)?;
         let checksum = checksum(&header, &bytes[size_of::<Header>()..]);
         if checksum != header.checksum {
             return Err(FileFault::Checksum {

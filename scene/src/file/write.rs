@@ -13,7 +13,15 @@ use super::{FileError, FileFault, read};
 use crate::{Scene, Solution};
 
 /// Writes a scene, with or without a solution, replacing the file at once or not at all.
+///
+/// A solution that could not be read back (of the wrong length, with a NaN) is refused, so that it
+/// cannot take the place of a good one.
 pub fn save(path: &Path, scene: &Scene, solution: Option<&Solution>) -> Result<(), FileError> {
+    if let Some(solution) = solution {
+        solution
+            .validate(scene)
+            .map_err(|error| FileError::new(path, error))?;
+    }
     write_atomically(path, |out| out.write_all(&to_bytes(scene, solution)))
 }
 
@@ -21,11 +29,19 @@ pub fn save(path: &Path, scene: &Scene, solution: Option<&Solution>) -> Result<(
 ///
 /// On any error, and if the process dies, `path` is as it was. The temporary file is removed on
 /// errors; one left by a killed process has a name starting with a dot and ending in `.tmp`.
+/// A device or a pipe, which renaming would destroy, is written to as it is.
 pub fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
 ) -> Result<(), FileError> {
     let fail = |action| move |source| FileError::new(path, FileFault::Io { action, source });
+    if std::fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
+        let device = std::fs::OpenOptions::new().write(true).open(path);
+        let mut buffered = std::io::BufWriter::new(device.map_err(fail("write"))?);
+        return write(&mut buffered)
+            .and_then(|()| buffered.flush())
+            .map_err(fail("write"));
+    }
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]

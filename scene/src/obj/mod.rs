@@ -1,1 +1,102 @@
-//! OBJ import.
+//! Import of Wavefront OBJ models with their MTL materials.
+//!
+//! # What is taken
+//! - Vertices and polygons. Polygons are fanned from their first corner, so triangles come in file
+//!   order. Normals and texture coordinates are ignored: the winding decides the front.
+//! - `o` and `g` alike name objects; equal names are one object.
+//! - `Kd` is the reflectance, `Ke` the emission (exitance, W/m^2). Where a material, its `Kd` or
+//!   its file is missing, the reflectance is a grey of 0.5, and a warning names what is missing.
+//!   Only materials that faces use are kept, in the order of their first use.
+//!
+//! # What is reported
+//! - A polygon counts as non-planar if a corner lies farther than 1e-4 of the polygon's extent from
+//!   its mean plane. It is fanned all the same.
+//! - Triangles without area beyond f32 rounding are dropped and counted.
+//!
+//! # Positions
+//! Positions are f64 until the origin is subtracted, then f32. The origin is the middle of the
+//! bounding box of all faces, rounded by axis to a multiple of a power of two q which is at least
+//! the largest extent. So a model that has a corner at or surrounds zero keeps its coordinates
+//! bit for bit, no coordinate exceeds q, and what is exported imports to the same origin.
+//!
+//! # How
+//! [`tobj`] resolves groups, materials and vertices. It panics on some inputs (an MTL colour of two
+//! numbers, a texture index far below zero), takes polylines for polygons and does not say where
+//! an error is, so `screen.rs` and `mtl.rs` check every line first and pass on a plain form of
+//! what is used.
+
+mod build;
+mod error;
+mod mtl;
+mod screen;
+
+use std::path::Path;
+
+use glam::DVec3;
+
+pub use error::{ObjError, ObjFault};
+
+use crate::{Material, Surface};
+
+/// An imported model, ready for [`crate::Scene::with_max_area`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObjModel {
+    /// Materials that faces use, by first use.
+    pub materials: Vec<Material>,
+    /// Names of all objects that have faces, by first use.
+    pub objects: Vec<String>,
+    /// Triangles in file order, relative to `origin`.
+    pub surfaces: Vec<Surface>,
+    /// What was subtracted from the file's coordinates, metres.
+    pub origin: DVec3,
+    /// What was noticed.
+    pub report: ImportReport,
+}
+
+/// What an import did and what it left out.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ImportReport {
+    /// Faces with three or more corners.
+    pub faces: usize,
+    /// Faces with four or more corners.
+    pub polygons_fanned: usize,
+    /// Those among them that are not planar.
+    pub non_planar_polygons: usize,
+    /// Triangles, after fanning, that were dropped for want of area.
+    pub degenerate_dropped: usize,
+    /// Statements that draw points or lines.
+    pub points_and_lines_ignored: usize,
+    /// Messages for the user, without the file's name.
+    pub warnings: Vec<String>,
+}
+
+/// Reads an OBJ file and the MTL files it names.
+///
+/// # Errors
+/// Name the file, and the line, vertex or material at fault; see [`ObjFault`].
+pub fn load(path: &Path) -> Result<ObjModel, ObjError> {
+    let fail = |fault| ObjError::new(path, fault);
+    let bytes = std::fs::read(path).map_err(|source| fail(ObjFault::Io { source }))?;
+    let screened = screen::screen(&bytes).map_err(fail)?;
+
+    let mut report = ImportReport {
+        faces: screened.face_lines.len(),
+        points_and_lines_ignored: screened.points_and_lines,
+        ..ImportReport::default()
+    };
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let library = mtl::Library::load(folder, &screened.libraries, &mut report.warnings)?;
+    let mut materials = library.materials_for(&screened.used_materials, &mut report.warnings)?;
+    if screened.faces_without_material > 0 {
+        report.warnings.push(format!(
+            "{} of {} faces have no material; they are grey with reflectance {}",
+            screened.faces_without_material,
+            report.faces,
+            mtl::GREY
+        ));
+        materials.push(mtl::grey("default"));
+    }
+
+    let models = screened.parse().map_err(|e| fail(ObjFault::Parser(e)))?;
+    build::build(&models, &screened.face_lines, materials, report).map_err(fail)
+}

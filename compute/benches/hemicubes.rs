@@ -1,0 +1,77 @@
+//! Hemicubes on one core: item buffer with patch look-up, and the whole row. `cargo bench -p compute`.
+//!
+//! The same scene at several numbers of patches shows that a hemicube costs by its pixels and
+//! surfaces, not by its patches.
+
+use std::hint::black_box;
+
+use compute::cpu::item_buffer::{BACK_FACE, HemicubeDrawer, NOTHING};
+use compute::cpu::rows::RowDrawer;
+use compute::delta_form_factors::DeltaFormFactors;
+use compute::hemicube;
+use compute::settings::{Maps, Points};
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use genx::{Model, Settings};
+use scene::{PatchId, Scene};
+
+const RESOLUTION: u32 = 100;
+
+/// Hemicubes a measurement, spread over the scene.
+const HEMICUBES: u32 = 64;
+
+fn scene(model: Model, max_area: f64) -> Scene {
+    let settings = Settings { max_area: Some(max_area), ..Settings::new(model) };
+    genx::make(&settings).expect("the built-in models are valid").scene
+}
+
+fn patches(scene: &Scene) -> Vec<PatchId> {
+    let count = u64::from(scene.patch_count());
+    (0..HEMICUBES).map(|k| PatchId((count * u64::from(k) / u64::from(HEMICUBES)) as u32)).collect()
+}
+
+fn item_buffers(c: &mut Criterion, name: &str, scenes: &[Scene]) {
+    let mut group = c.benchmark_group(format!("item_buffer_{HEMICUBES}x/{name}"));
+    for scene in scenes {
+        let mut drawer = HemicubeDrawer::new(scene, RESOLUTION);
+        let patches = patches(scene);
+        group.bench_function(BenchmarkId::from_parameter(scene.patch_count()), |b| {
+            b.iter(|| {
+                for &patch in &patches {
+                    let frame = hemicube::frames(scene, patch, Points::CENTROID)[0];
+                    drawer.draw(patch, &frame, NOTHING, BACK_FACE, |_, _, ids| {
+                        black_box(ids);
+                    });
+                }
+            });
+        });
+    }
+}
+
+fn rows(c: &mut Criterion, name: &str, scenes: &[Scene]) {
+    let mut group = c.benchmark_group(format!("row_{HEMICUBES}x/{name}"));
+    let factors = DeltaFormFactors::new(Maps::Exact, RESOLUTION, u32::MAX);
+    for scene in scenes {
+        let mut drawer = RowDrawer::new(scene, Points::CENTROID, &factors);
+        let patches = patches(scene);
+        group.bench_function(BenchmarkId::from_parameter(scene.patch_count()), |b| {
+            b.iter(|| {
+                for &patch in &patches {
+                    black_box(drawer.row(patch));
+                }
+            });
+        });
+    }
+}
+
+fn benches(c: &mut Criterion) {
+    // 2,600, 40,000 and 560,000 patches on the same surfaces.
+    let cornell = [1e-3, 6e-5, 4e-6].map(|area| scene(Model::Cornell, area));
+    let hall = [5.0, 0.25].map(|area| scene(Model::Hall, area));
+    item_buffers(c, "cornell", &cornell);
+    item_buffers(c, "hall", &hall);
+    rows(c, "cornell", &cornell);
+    rows(c, "hall", &hall);
+}
+
+criterion_group!(hemicubes, benches);
+criterion_main!(hemicubes);

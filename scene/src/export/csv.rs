@@ -1,0 +1,74 @@
+//! All values of all patches as a table (RFC 4180, lines end in LF).
+
+use std::borrow::Cow;
+use std::path::Path;
+
+use super::patches;
+use crate::file::{FileError, write_atomically};
+use crate::{Rgb, Scene, Solution};
+
+/// The first line.
+pub const HEADER: &str = "patch,surface,material,cx,cy,cz,area,nx,ny,nz,\
+    rho_r,rho_g,rho_b,emission_r,emission_g,emission_b,\
+    irradiance_r,irradiance_g,irradiance_b,radiosity_r,radiosity_g,radiosity_b";
+
+/// Writes one row a patch, in patch order.
+///
+/// The centroid is in the model's own coordinates, metres, the area in m^2, the normal a unit
+/// vector, reflectance dimensionless, the rest W/m^2. Every number has the digits that lead back to
+/// the same value: f64 for centroid and area, f32 for all else. Without a solution the irradiance
+/// is 0.
+pub fn save(path: &Path, scene: &Scene, solution: Option<&Solution>) -> Result<(), FileError> {
+    let dark;
+    let solution = if let Some(solution) = solution {
+        solution
+    } else {
+        dark = Solution::dark(scene);
+        &dark
+    };
+    solution.validate(scene).map_err(|error| FileError {
+        path: path.to_owned(),
+        fault: error.into(),
+    })?;
+    let radiosity = solution.radiosity(scene);
+    write_atomically(path, |out| {
+        writeln!(out, "{HEADER}")?;
+        let values = solution.irradiance.iter().zip(&radiosity);
+        for ((index, patch), (irradiance, radiosity)) in patches(scene).enumerate().zip(values) {
+            let surface = scene.surface(patch.surface);
+            let material = scene.material(surface.material);
+            let center = patch.centroid() + scene.origin();
+            let normal = surface.normal().as_vec3();
+            write!(
+                out,
+                "{index},{},{},{},{},{},{}",
+                patch.surface.0,
+                quoted(&material.name),
+                center.x,
+                center.y,
+                center.z,
+                patch.area
+            )?;
+            for Rgb { x, y, z } in [
+                normal,
+                material.reflectance,
+                material.emission,
+                *irradiance,
+                *radiosity,
+            ] {
+                write!(out, ",{x},{y},{z}")?;
+            }
+            writeln!(out)?;
+        }
+        Ok(())
+    })
+}
+
+/// A field, in quotes where it needs them.
+fn quoted(field: &str) -> Cow<'_, str> {
+    if field.contains([',', '"', '\n', '\r']) {
+        Cow::Owned(format!("\"{}\"", field.replace('"', "\"\"")))
+    } else {
+        Cow::Borrowed(field)
+    }
+}

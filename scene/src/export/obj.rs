@@ -1,0 +1,108 @@
+//! The patches as a Wavefront OBJ with its MTL, for other radiosity programs and for a new import.
+//!
+//! `Kd` is the reflectance, `Ke` the emission (exitance, W/m^2), as [`crate::obj`] reads them.
+//! Imported again without subdivision, face i is patch i with the same corners, materials and
+//! objects. Irradiances have no place in this format: see [`super::csv`].
+
+use std::collections::{HashMap, HashSet};
+use std::ffi::OsStr;
+use std::io::Write;
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::{original, patches};
+use crate::Scene;
+use crate::file::{FileError, write_atomically};
+
+/// Writes one face a patch, in patch order, and the materials to a file of the same name that
+/// ends in `.mtl`.
+///
+/// Positions are the model's own coordinates, metres, with all digits of the f64. Names that would
+/// not survive the format are changed: outer spaces go, line breaks become `_`, and a material whose
+/// name another one has gets a number.
+pub fn save(path: &Path, scene: &Scene) -> Result<(), FileError> {
+    let material_path = path.with_extension("mtl");
+    let names = material_names(scene);
+    // First, so that an OBJ never names an MTL that is not there.
+    write_atomically(&material_path, |out| {
+        for (material, name) in scene.materials().iter().zip(&names) {
+            let (rho, emission) = (material.reflectance, material.emission);
+            writeln!(out, "newmtl {name}")?;
+            writeln!(out, "Kd {} {} {}", rho.x, rho.y, rho.z)?;
+            writeln!(out, "Ke {} {} {}", emission.x, emission.y, emission.z)?;
+        }
+        Ok(())
+    })?;
+    write_atomically(path, |out| {
+        let library = material_path.file_name().map(OsStr::to_string_lossy);
+        writeln!(out, "mtllib {}", library.unwrap_or_default())?;
+        let mut vertices = Vertices::default();
+        let (mut object, mut material) = (None, None);
+        for patch in patches(scene) {
+            let surface = scene.surface(patch.surface);
+            if object.replace(surface.object) != Some(surface.object) {
+                writeln!(out, "o {}", plain(scene.object(surface.object), "object"))?;
+            }
+            if material.replace(surface.material) != Some(surface.material) {
+                writeln!(out, "usemtl {}", names[surface.material.index()])?;
+            }
+            let mut face = [0; 3];
+            for (index, corner) in face.iter_mut().zip(patch.corners) {
+                *index = vertices.index(original(scene, corner), out)?;
+            }
+            writeln!(out, "f {} {} {}", face[0], face[1], face[2])?;
+        }
+        Ok(())
+    })
+}
+
+/// The vertices written so far, so that neighbours share theirs.
+#[derive(Default)]
+struct Vertices {
+    /// Index by the bits of the position.
+    indices: HashMap<[u64; 3], usize>,
+}
+
+impl Vertices {
+    /// The index of a position, counted from 1; writes the position if it is new.
+    fn index(&mut self, position: DVec3, out: &mut dyn Write) -> std::io::Result<usize> {
+        let next = self.indices.len() + 1;
+        let index = *self
+            .indices
+            .entry(position.to_array().map(f64::to_bits))
+            .or_insert(next);
+        if index == next {
+            writeln!(out, "v {} {} {}", position.x, position.y, position.z)?;
+        }
+        Ok(index)
+    }
+}
+
+/// One name per material, all different.
+fn material_names(scene: &Scene) -> Vec<String> {
+    let mut taken = HashSet::new();
+    scene
+        .materials()
+        .iter()
+        .map(|material| {
+            let base = plain(&material.name, "material");
+            let mut name = base.clone();
+            let mut number = 1;
+            while !taken.insert(name.clone()) {
+                number += 1;
+                name = format!("{base}_{number}");
+            }
+            name
+        })
+        .collect()
+}
+
+/// A name that a line of an OBJ file can hold.
+fn plain(name: &str, if_empty: &str) -> String {
+    let trimmed = name.trim();
+    if trimmed.is_empty() {
+        return if_empty.to_owned();
+    }
+    trimmed.replace(char::is_control, "_")
+}

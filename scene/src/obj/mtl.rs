@@ -1,0 +1,174 @@
+//! MTL files: what they say, and what stands in for what they do not say.
+
+use std::collections::HashMap;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use super::screen::{UsedMaterial, decode, malformed};
+use super::{ObjError, ObjFault};
+use crate::{Material, Rgb};
+
+/// Reflectance of what has none, dimensionless.
+pub(super) const GREY: f32 = 0.5;
+
+/// A material that reflects grey and emits nothing.
+pub(super) fn grey(name: &str) -> Material {
+    Material {
+        name: name.to_owned(),
+        reflectance: Rgb::splat(GREY),
+        emission: Rgb::ZERO,
+    }
+}
+
+/// All materials of the MTL files that an OBJ file names, by name; the last definition counts.
+pub(super) struct Library {
+    materials: HashMap<String, (tobj::Material, PathBuf)>,
+}
+
+impl Library {
+    /// Reads the files named in `mtllib` statements, relative to the OBJ file's folder. A missing
+    /// one is a warning, a malformed one an error.
+    pub(super) fn load(
+        folder: &Path,
+        arguments: &[String],
+        warnings: &mut Vec<String>,
+    ) -> Result<Self, ObjError> {
+        let mut materials = HashMap::new();
+        for path in arguments.iter().flat_map(|a| candidates(folder, a)) {
+            let bytes = match read_regular(&path) {
+                Ok(bytes) => bytes,
+                Err(error) => {
+                    warnings.push(format!(
+                        "cannot read the material file {}: {error}",
+                        path.display()
+                    ));
+                    continue;
+                }
+            };
+            let parsed = screen(&decode(&bytes)).and_then(|text| {
+                tobj::load_mtl_buf(&mut text.as_bytes()).map_err(ObjFault::Parser)
+            });
+            let (found, _) = parsed.map_err(|fault| ObjError::new(&path, fault))?;
+            for material in found {
+                materials.insert(material.name.clone(), (material, path.clone()));
+            }
+        }
+        Ok(Self { materials })
+    }
+
+    /// The materials with these names, in this order.
+    pub(super) fn materials_for(
+        &self,
+        used: &[UsedMaterial],
+        warnings: &mut Vec<String>,
+    ) -> Result<Vec<Material>, ObjError> {
+        used.iter()
+            .map(|UsedMaterial { name, faces }| {
+                let Some((found, path)) = self.materials.get(name) else {
+                    warnings.push(format!(
+                        "material \"{name}\" of {faces} faces is not defined; it is taken as grey with reflectance {GREY}"
+                    ));
+                    return Ok(grey(name));
+                };
+                let mut material = grey(name);
+                if let Some(reflectance) = found.diffuse {
+                    material.reflectance = Rgb::from(reflectance.map(|v| v as f32));
+                } else {
+                    warnings.push(format!(
+                        "{}: material \"{name}\" has no Kd; its reflectance is taken as {GREY}",
+                        path.display()
+                    ));
+                }
+                if let Some(texture) = &found.diffuse_texture {
+                    warnings.push(format!(
+                        "{}: material \"{name}\": texture {texture} is ignored, only Kd counts",
+                        path.display()
+                    ));
+                }
+                if let Some(emission) = found.emissive {
+                    material.emission = Rgb::from(emission.map(|v| v as f32));
+                }
+                material
+                    .validate()
+                    .map_err(|error| ObjError::new(path, ObjFault::Material(error)))?;
+                Ok(material)
+            })
+            .collect()
+    }
+}
+
+/// The files a `mtllib` argument may mean: one whose name holds spaces, or several.
+fn candidates(folder: &Path, argument: &str) -> Vec<PathBuf> {
+    let whole = folder.join(argument);
+    if whole.exists() || !argument.contains(char::is_whitespace) {
+        return vec![whole];
+    }
+    let several: Vec<PathBuf> = argument
+        .split_whitespace()
+        .map(|name| folder.join(name))
+        .collect();
+    if several.iter().any(|path| path.exists()) {
+        several
+    } else {
+        vec![whole]
+    }
+}
+
+/// A device or pipe that a model names could be endless.
+fn read_regular(path: &Path) -> std::io::Result<Vec<u8>> {
+    if !std::fs::metadata(path)?.is_file() {
+        return Err(std::io::Error::other("not a regular file"));
+    }
+    std::fs::read(path)
+}
+
+/// Checks an MTL file and reduces it to the statements that are used.
+fn screen(text: &str) -> Result<String, ObjFault> {
+    let mut reduced = String::new();
+    for (index, line) in text.lines().enumerate() {
+        let (number, line) = (index + 1, line.trim());
+        let (keyword, rest) = line
+            .split_once(char::is_whitespace)
+            .map_or((line, ""), |(k, r)| (k, r.trim()));
+        match keyword {
+            "newmtl" if rest.is_empty() => {
+                return Err(malformed(number, "\"newmtl\" has no name"));
+            }
+            "newmtl" => {
+                let _ = writeln!(reduced, "newmtl {rest}");
+            }
+            "Kd" | "Ke" => {
+                let words: Vec<&str> = rest
+                    .split('#')
+                    .next()
+                    .unwrap_or_default()
+                    .split_whitespace()
+                    .collect();
+                let [r, g, b] = match words[..] {
+                    [grey] => [grey; 3],
+                    [r, g, b] => [r, g, b],
+                    _ => {
+                        return Err(malformed(
+                            number,
+                            format!("{keyword} has {} values, expected 3 numbers", words.len()),
+                        ));
+                    }
+                };
+                for word in [r, g, b] {
+                    if word.parse::<f64>().is_err() {
+                        return Err(malformed(
+                            number,
+                            format!("{keyword}: {word:?} is not a number"),
+                        ));
+                    }
+                }
+                let _ = writeln!(reduced, "{keyword} {r} {g} {b}");
+            }
+            "map_Kd" if !rest.is_empty() => {
+                let _ = writeln!(reduced, "map_Kd {rest}");
+            }
+            _ => {}
+        }
+    }
+    Ok(reduced)
+}

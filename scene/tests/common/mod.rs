@@ -1,0 +1,117 @@
+//! What the tests of this folder share.
+#![allow(dead_code)] // each test binary uses a part
+
+use std::path::{Path, PathBuf};
+
+use glam::{DVec3, Vec3};
+use scene::obj::{ObjError, ObjModel};
+use scene::{Material, MaterialId, ObjectId, Provenance, Rgb, Scene, Solution, Surface};
+use tempfile::TempDir;
+
+pub fn material(name: &str, reflectance: [f32; 3], emission: [f32; 3]) -> Material {
+    Material {
+        name: name.to_owned(),
+        reflectance: Rgb::from(reflectance),
+        emission: Rgb::from(emission),
+    }
+}
+
+pub fn surface(corners: [[f32; 3]; 3], material: u32, object: u32) -> Surface {
+    Surface {
+        corners: corners.map(Vec3::from),
+        material: MaterialId(material),
+        object: ObjectId(object),
+    }
+}
+
+/// Two triangles of 1 and 4 patches, two materials, two objects, an origin.
+pub fn small_scene() -> Scene {
+    Scene::new(
+        vec![
+            material("wall", [0.1, 0.25, 0.9], [0.0; 3]),
+            material("lamp", [0.3; 3], [1.0e4, 7.5, 0.0]),
+        ],
+        vec!["room".into(), "lamp".into()],
+        vec![
+            surface([[0.0, 0.0, 0.0], [0.3, 0.0, 0.0], [0.0, 0.4, 0.0]], 0, 0),
+            surface([[0.1, 0.0, 1.0], [0.1, 2.0, 1.0], [1.7, 0.0, 1.3]], 1, 1),
+        ],
+        &[0, 2],
+        DVec3::new(16.0, -8.0, 0.0),
+    )
+    .unwrap()
+}
+
+/// Values that no other patch has, with all optional parts.
+pub fn small_solution(scene: &Scene) -> Solution {
+    let values = |offset: f32| -> Vec<Rgb> {
+        (0..scene.patch_count())
+            .map(|p| Rgb::new(offset, p as f32, 1.0) / 3.0)
+            .collect()
+    };
+    Solution {
+        irradiance: values(1.0),
+        provenance: Provenance {
+            solver: "jacobi".into(),
+            settings: "resolution 100".into(),
+            iterations: 2,
+            residuals: vec![0.1, 1.0 / 3.0],
+        },
+        unfinished: Some(scene::Unfinished {
+            irradiance: values(2.0)[..3].to_vec(),
+        }),
+        unshot: Some(values(4.0)),
+    }
+}
+
+pub fn folder() -> TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+pub fn write(folder: &TempDir, name: &str, contents: impl AsRef<[u8]>) -> PathBuf {
+    let path = folder.path().join(name);
+    std::fs::write(&path, contents).unwrap();
+    path
+}
+
+/// Names of everything in a folder, sorted.
+pub fn listing(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
+}
+
+/// The message of an error, held against what every message must be: one line that names the file
+/// and does not end in a full stop.
+#[track_caller]
+pub fn checked_message(error: &dyn std::error::Error, path: &Path) -> String {
+    let message = error.to_string();
+    assert!(
+        message.starts_with(&format!("{}: ", path.display())),
+        "{message}"
+    );
+    assert!(
+        !message.ends_with('.') && !message.contains('\n'),
+        "{message}"
+    );
+    message
+}
+
+/// Bit patterns, for comparisons that tell -0 from 0.
+pub fn bits(values: &[Rgb]) -> Vec<[u32; 3]> {
+    values
+        .iter()
+        .map(|v| v.to_array().map(f32::to_bits))
+        .collect()
+}
+
+/// A unit square in the floor, seen from above.
+pub const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+/// Imports a text as `a.obj` in this folder.
+pub fn load_text(folder: &TempDir, text: impl AsRef<[u8]>) -> Result<ObjModel, ObjError> {
+    scene::obj::load(&write(folder, "a.obj", text))
+}

@@ -1,0 +1,447 @@
+//! Every fault a file can have ends in a clear error: none panics, none is taken for a scene.
+
+mod common;
+
+use common::{checked_message, folder, small_scene, small_solution, write};
+use scene::file::{FileFault, from_bytes, load, to_bytes};
+use scene::{MAX_PATCHES, SceneError};
+use twox_hash::XxHash3_64;
+
+const HEADER_BYTES: usize = 64;
+const SECTION_BYTES: usize = 32;
+const SECTIONS: usize = 7;
+const VERSION: usize = 8;
+const SECTION_COUNT: usize = 12;
+const FILE_BYTES: usize = 16;
+const CHECKSUM: usize = 24;
+const ORIGIN: usize = 32;
+// In an entry of the section table.
+const RECORD_BYTES: usize = 4;
+const OFFSET: usize = 8;
+const COUNT: usize = 16;
+// Section kinds.
+const MATERIALS: u32 = 2;
+const SURFACES: u32 = 3;
+const IRRADIANCE: u32 = 5;
+const UNFINISHED: u32 = 6;
+const UNSHOT: u32 = 7;
+
+fn small_file() -> Vec<u8> {
+    let scene = small_scene();
+    to_bytes(&scene, Some(&small_solution(&scene)))
+}
+
+fn patch(bytes: &mut [u8], at: usize, value: &[u8]) {
+    bytes[at..at + value.len()].copy_from_slice(value);
+}
+
+/// Makes the checksum right again, as someone who means harm would.
+fn seal(mut bytes: Vec<u8>) -> Vec<u8> {
+    patch(&mut bytes, CHECKSUM, &[0; 8]);
+    let checksum = XxHash3_64::oneshot(&bytes);
+    patch(&mut bytes, CHECKSUM, &checksum.to_le_bytes());
+    bytes
+}
+
+/// Where the table entry of a section starts.
+fn entry(bytes: &[u8], kind: u32) -> usize {
+    (0..SECTIONS)
+        .map(|i| HEADER_BYTES + i * SECTION_BYTES)
+        .find(|&at| bytes[at..at + 4] == kind.to_le_bytes())
+        .unwrap()
+}
+
+/// Where the data of a section starts.
+fn data(bytes: &[u8], kind: u32) -> usize {
+    let at = entry(bytes, kind) + OFFSET;
+    u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap()) as usize
+}
+
+fn fault_of(bytes: &[u8]) -> FileFault {
+    from_bytes(bytes).expect_err("the file is damaged")
+}
+
+#[test]
+fn the_untouched_file_is_valid_and_sealing_changes_nothing() {
+    let bytes = small_file();
+    from_bytes(&bytes).unwrap();
+    assert_eq!(seal(bytes.clone()), bytes);
+}
+
+#[test]
+fn missing_file_is_named() {
+    let path = folder().path().join("none.rad");
+    let error = load(&path).unwrap_err();
+    let message = checked_message(&error, &path);
+    assert!(message.contains("cannot read"), "{message}");
+}
+
+#[test]
+fn folder_in_place_of_a_file_is_an_error() {
+    let folder = folder();
+    let error = load(folder.path()).unwrap_err();
+    checked_message(&error, folder.path());
+    assert!(matches!(error.fault, FileFault::Io { .. }));
+}
+
+#[test]
+fn empty_file_is_called_empty() {
+    let folder = folder();
+    let path = write(&folder, "a.rad", "");
+    let error = load(&path).unwrap_err();
+    checked_message(&error, &path);
+    assert!(matches!(error.fault, FileFault::Empty));
+}
+
+#[test]
+fn truncation_at_every_length_is_an_error() {
+    let bytes = small_file();
+    let folder = folder();
+    for length in 1..bytes.len() {
+        let fault = fault_of(&bytes[..length]);
+        assert!(
+            matches!(fault, FileFault::Truncated { found, .. } if found == length as u64),
+            "{length}: {fault}"
+        );
+        let path = write(&folder, "a.rad", &bytes[..length]);
+        let error = load(&path).unwrap_err();
+        assert!(matches!(error.fault, FileFault::Truncated { .. }));
+    }
+}
+
+#[test]
+fn truncation_that_the_header_agrees_with_is_an_error() {
+    let bytes = small_file();
+    for length in HEADER_BYTES..bytes.len() {
+        let mut short = bytes[..length].to_vec();
+        patch(&mut short, FILE_BYTES, &(length as u64).to_le_bytes());
+        let fault = fault_of(&seal(short));
+        assert!(
+            matches!(fault, FileFault::Structure { .. }),
+            "{length}: {fault}"
+        );
+    }
+}
+
+#[test]
+fn bytes_after_the_end_are_an_error() {
+    let mut bytes = small_file();
+    bytes.extend([0; 5]);
+    assert!(matches!(
+        fault_of(&bytes),
+        FileFault::TrailingBytes { extra: 5 }
+    ));
+}
+
+#[test]
+fn flip_of_every_single_bit_is_an_error() {
+    let bytes = small_file();
+    for bit in 0..8 * bytes.len() {
+        let mut flipped = bytes.clone();
+        flipped[bit / 8] ^= 1 << (bit % 8);
+        let fault = fault_of(&flipped);
+        let expected = match bit / 8 {
+            0..VERSION => matches!(fault, FileFault::Magic),
+            VERSION..SECTION_COUNT => matches!(fault, FileFault::Version { .. }),
+            FILE_BYTES..CHECKSUM => matches!(
+                fault,
+                FileFault::Truncated { .. } | FileFault::TrailingBytes { .. }
+            ),
+            _ => matches!(fault, FileFault::Checksum { .. }),
+        };
+        assert!(expected, "bit {bit}: {fault}");
+    }
+}
+
+#[test]
+fn sealed_flip_of_every_single_bit_never_panics() {
+    let bytes = small_file();
+    let mut accepted = 0;
+    for bit in 0..8 * bytes.len() {
+        let mut flipped = bytes.clone();
+        flipped[bit / 8] ^= 1 << (bit % 8);
+        if let Ok((scene, solution)) = from_bytes(&seal(flipped)) {
+            // What is accepted is valid in every part, and so can be saved and read again.
+            accepted += 1;
+            let again = from_bytes(&to_bytes(&scene, solution.as_ref())).unwrap();
+            assert_eq!(again, (scene, solution));
+        }
+    }
+    // A value may change to another valid one, so some are accepted.
+    assert!(0 < accepted && accepted < 8 * bytes.len());
+}
+
+#[test]
+fn other_files_are_told_from_their_first_bytes() {
+    assert!(matches!(fault_of(b"\x89PNG\r\n\x1a\n"), FileFault::Magic));
+    assert!(matches!(fault_of(b"# obj"), FileFault::Magic));
+    assert!(matches!(fault_of(&[0; 10_000]), FileFault::Magic));
+}
+
+#[test]
+fn huge_file_of_another_kind_is_refused_without_reading_it() {
+    // Sparse: a tebibyte that takes no space. Reading it would take minutes and all memory.
+    let folder = folder();
+    let path = folder.path().join("huge");
+    let file = std::fs::File::create(&path).unwrap();
+    if file.set_len(1 << 40).is_err() {
+        eprintln!("skipped: this file system has no sparse files of 1 TiB");
+        return;
+    }
+    assert!(matches!(load(&path).unwrap_err().fault, FileFault::Magic));
+}
+
+#[test]
+fn later_version_is_an_error_even_if_its_sizes_differ() {
+    let mut bytes = small_file();
+    patch(&mut bytes, VERSION, &2_u32.to_le_bytes());
+    bytes.truncate(100);
+    assert!(matches!(fault_of(&bytes), FileFault::Version { found: 2 }));
+}
+
+#[test]
+fn counts_of_terabytes_are_refused_before_anything_is_allocated() {
+    let bytes = small_file();
+    let counts = [
+        1 << 40,
+        u64::MAX,
+        u64::MAX / 12,
+        u64::MAX / 48 + 1,
+        1 << 32,
+        1 << 63,
+    ];
+    for kind in 1..=SECTIONS as u32 {
+        for count in counts {
+            for field in [COUNT, OFFSET] {
+                let mut bytes = bytes.clone();
+                let at = entry(&bytes, kind) + field;
+                // A multiple of 16, so that offsets do not fail for their alignment.
+                patch(&mut bytes, at, &(count & !15).to_le_bytes());
+                let fault = fault_of(&seal(bytes));
+                assert!(
+                    matches!(fault, FileFault::Structure { .. }),
+                    "{kind} {count}: {fault}"
+                );
+            }
+        }
+    }
+    for count in [1 << 20, u32::MAX] {
+        let mut bytes = bytes.clone();
+        patch(&mut bytes, SECTION_COUNT, &count.to_le_bytes());
+        assert!(matches!(
+            fault_of(&seal(bytes)),
+            FileFault::Structure { .. }
+        ));
+    }
+    for size in [1 << 40, u64::MAX] {
+        let mut bytes = bytes.clone();
+        patch(&mut bytes, FILE_BYTES, &u64::to_le_bytes(size));
+        let bytes = seal(bytes);
+        assert!(
+            matches!(fault_of(&bytes), FileFault::Truncated { expected, .. } if expected == size)
+        );
+        let folder = folder();
+        let path = write(&folder, "a.rad", &bytes);
+        assert!(matches!(
+            load(&path).unwrap_err().fault,
+            FileFault::Truncated { .. }
+        ));
+    }
+}
+
+#[test]
+fn sections_that_are_missing_misplaced_or_of_other_records_are_errors() {
+    let bytes = small_file();
+    for (kind, is_required) in [(1, true), (2, true), (3, true), (4, true), (5, false)] {
+        let mut bytes = bytes.clone();
+        let at = entry(&bytes, kind);
+        patch(&mut bytes, at, &99_u32.to_le_bytes());
+        assert_eq!(from_bytes(&seal(bytes)).is_err(), is_required, "{kind}");
+    }
+    for kind in 1..=SECTIONS as u32 {
+        let mut odd_records = bytes.clone();
+        let at = entry(&bytes, kind);
+        patch(&mut odd_records, at + RECORD_BYTES, &7_u32.to_le_bytes());
+        assert!(matches!(
+            fault_of(&seal(odd_records)),
+            FileFault::Structure { .. }
+        ));
+        let mut unaligned = bytes.clone();
+        unaligned[at + OFFSET] += 1;
+        assert!(matches!(
+            fault_of(&seal(unaligned)),
+            FileFault::Structure { .. }
+        ));
+    }
+}
+
+#[test]
+fn values_out_of_range_are_errors_in_every_array() {
+    let bytes = small_file();
+    let with = |kind, float: usize, value: f32| {
+        let mut bytes = bytes.clone();
+        let at = data(&bytes, kind) + 4 * float;
+        patch(&mut bytes, at, &value.to_le_bytes());
+        fault_of(&seal(bytes))
+    };
+    let infinities = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
+    for value in infinities {
+        for float in 0..9 {
+            let fault = with(SURFACES, float, value);
+            assert!(
+                matches!(
+                    fault,
+                    FileFault::Scene(SceneError::Coordinate { surface: 0, .. })
+                ),
+                "{fault}"
+            );
+        }
+    }
+    for value in infinities.into_iter().chain([1.0, 1.5, -0.1]) {
+        for float in 0..3 {
+            let fault = with(MATERIALS, float, value);
+            assert!(
+                matches!(fault, FileFault::Scene(SceneError::Reflectance { .. })),
+                "{fault}"
+            );
+        }
+    }
+    for value in infinities.into_iter().chain([-1.0, -1e-30]) {
+        for float in 3..6 {
+            let fault = with(MATERIALS, float, value);
+            assert!(
+                matches!(fault, FileFault::Scene(SceneError::Emission { .. })),
+                "{fault}"
+            );
+        }
+        for kind in [IRRADIANCE, UNFINISHED, UNSHOT] {
+            // What is left to shoot may be negative: a correction.
+            if kind == UNSHOT && value.is_finite() {
+                continue;
+            }
+            let fault = with(kind, 7, value);
+            assert!(
+                matches!(
+                    fault,
+                    FileFault::Scene(SceneError::Irradiance { patch: 2, .. })
+                ),
+                "{fault}"
+            );
+        }
+    }
+    let mut origin = bytes.clone();
+    patch(&mut origin, ORIGIN + 8, &f64::NAN.to_le_bytes());
+    assert!(matches!(
+        fault_of(&seal(origin)),
+        FileFault::Scene(SceneError::Origin { .. })
+    ));
+}
+
+#[test]
+fn bad_indices_depths_and_triangles_are_errors() {
+    let bytes = small_file();
+    let first = data(&bytes, SURFACES);
+    let with = |offset: usize, value: u32| {
+        let mut bytes = bytes.clone();
+        patch(&mut bytes, first + offset, &value.to_le_bytes());
+        fault_of(&seal(bytes))
+    };
+    assert!(matches!(
+        with(36, 2),
+        FileFault::Scene(SceneError::MaterialIndex { .. })
+    ));
+    assert!(matches!(
+        with(40, u32::MAX),
+        FileFault::Scene(SceneError::ObjectIndex { .. })
+    ));
+    for depth in [24, 31, 32, 64, u32::MAX] {
+        assert!(matches!(
+            with(44, depth),
+            FileFault::Scene(SceneError::Bisections { .. })
+        ));
+    }
+    // The solution no longer fits the mesh.
+    assert!(matches!(
+        with(44, 1),
+        FileFault::Scene(SceneError::SolutionLength { .. })
+    ));
+    let mut flat = bytes.clone();
+    flat.copy_within(first..first + 12, first + 12);
+    assert!(matches!(
+        fault_of(&seal(flat)),
+        FileFault::Scene(SceneError::Degenerate { surface: 0, .. })
+    ));
+}
+
+#[test]
+fn more_patches_than_24_bits_hold_are_an_error_that_tells_both_numbers() {
+    let mut bytes = small_file();
+    let first = data(&bytes, SURFACES);
+    for surface in 0..2 {
+        patch(&mut bytes, first + 48 * surface + 44, &23_u32.to_le_bytes());
+    }
+    let fault = fault_of(&seal(bytes));
+    assert!(matches!(
+        fault,
+        FileFault::Scene(SceneError::TooManyPatches {
+            patches: 16_777_216
+        })
+    ));
+    let message = fault.to_string();
+    assert!(
+        message.contains("16777216") && message.contains(&MAX_PATCHES.to_string()),
+        "{message}"
+    );
+}
+
+#[test]
+fn solution_of_the_wrong_length_is_an_error_in_every_array() {
+    let scene = small_scene();
+    let good = small_solution(&scene);
+    for change in [-1_i32, 1] {
+        let resize = |values: &mut Vec<scene::Rgb>| {
+            values.resize(
+                (scene.patch_count() as i32 + change) as usize,
+                scene::Rgb::ONE,
+            );
+        };
+        let mut wrong = [good.clone(), good.clone()];
+        resize(&mut wrong[0].irradiance);
+        resize(wrong[1].unshot.as_mut().unwrap());
+        for solution in wrong {
+            assert!(matches!(
+                fault_of(&to_bytes(&scene, Some(&solution))),
+                FileFault::Scene(SceneError::SolutionLength { patches: 5, .. })
+            ));
+        }
+    }
+    let mut wrong = good;
+    wrong.unfinished.as_mut().unwrap().irradiance = vec![scene::Rgb::ONE; 6];
+    assert!(matches!(
+        fault_of(&to_bytes(&scene, Some(&wrong))),
+        FileFault::Scene(SceneError::SolutionLength { values: 6, .. })
+    ));
+}
+
+#[test]
+fn damaged_names_are_errors() {
+    let bytes = small_file();
+    let names = data(&bytes, 1);
+    for damage in [b"[", b"}", b"\xFF", b"\0"] {
+        let mut bytes = bytes.clone();
+        patch(&mut bytes, names, damage);
+        assert!(matches!(
+            fault_of(&seal(bytes)),
+            FileFault::Structure { .. }
+        ));
+    }
+    // One material less than there are names.
+    let mut fewer = bytes.clone();
+    let at = entry(&bytes, MATERIALS) + COUNT;
+    patch(&mut fewer, at, &1_u64.to_le_bytes());
+    let fault = fault_of(&seal(fewer));
+    assert!(
+        fault.to_string().contains("2 names for 1 materials"),
+        "{fault}"
+    );
+}

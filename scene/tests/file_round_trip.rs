@@ -1,0 +1,155 @@
+//! What is written is what is read, bit for bit.
+
+mod common;
+
+use common::{bits, folder, small_scene, small_solution};
+use glam::{DVec3, Vec3};
+use proptest::collection::vec;
+use proptest::prelude::*;
+use scene::file::{from_bytes, load, save, to_bytes};
+use scene::{
+    Material, MaterialId, ObjectId, Provenance, Rgb, Scene, Solution, Surface, Unfinished,
+};
+
+/// Any f32 of a range of bit patterns: subnormals and extremes are as likely as the rest.
+fn non_negative(limit: f32) -> impl Strategy<Value = f32> {
+    (0..limit.to_bits()).prop_map(f32::from_bits)
+}
+
+fn rgb(limit: f32) -> impl Strategy<Value = Rgb> {
+    [
+        non_negative(limit),
+        non_negative(limit),
+        non_negative(limit),
+    ]
+    .prop_map(Rgb::from)
+}
+
+fn any_material() -> impl Strategy<Value = Material> {
+    (any::<String>(), rgb(1.0), rgb(f32::INFINITY)).prop_map(|(name, reflectance, emission)| {
+        Material {
+            name,
+            reflectance,
+            emission,
+        }
+    })
+}
+
+fn any_scene() -> impl Strategy<Value = Scene> {
+    let corner = || [-1e9_f32..1e9, -1e9_f32..1e9, -1e9_f32..1e9].prop_map(Vec3::from);
+    let surface = ([corner(), corner(), corner()], 0_u32..3, 0_u32..2, 0_u32..6);
+    (
+        vec(any_material(), 3),
+        vec(any::<String>(), 2),
+        vec(surface, 1..20),
+        [-1e12_f64..1e12, -1e12_f64..1e12, -1e12_f64..1e12],
+    )
+        .prop_filter_map("degenerate", |(materials, objects, surfaces, origin)| {
+            let (surfaces, depths): (Vec<Surface>, Vec<u32>) = surfaces
+                .into_iter()
+                .map(|(corners, material, object, depth)| {
+                    let surface = Surface {
+                        corners,
+                        material: MaterialId(material),
+                        object: ObjectId(object),
+                    };
+                    (surface, depth)
+                })
+                .unzip();
+            Scene::new(materials, objects, surfaces, &depths, DVec3::from(origin)).ok()
+        })
+}
+
+fn any_solution(scene: &Scene) -> impl Strategy<Value = Solution> + use<> {
+    let patches = scene.patch_count() as usize;
+    let values = || vec(rgb(f32::INFINITY), patches);
+    // A correction that is still to be shot may be negative.
+    let unshot = (rgb(f32::INFINITY), any::<bool>())
+        .prop_map(|(v, is_negative)| if is_negative { -v } else { v });
+    (
+        values(),
+        proptest::option::of(vec(rgb(f32::INFINITY), 0..=patches)),
+        proptest::option::of(vec(unshot, patches)),
+        any::<(String, String, u64)>(),
+        vec(-1e300_f64..1e300, 0..5),
+    )
+        .prop_map(
+            |(irradiance, unfinished, unshot, (solver, settings, iterations), residuals)| {
+                Solution {
+                    irradiance,
+                    provenance: Provenance {
+                        solver,
+                        settings,
+                        iterations,
+                        residuals,
+                    },
+                    unfinished: unfinished.map(|irradiance| Unfinished { irradiance }),
+                    unshot,
+                }
+            },
+        )
+}
+
+proptest! {
+    #[test]
+    fn scene_and_solution_survive_bit_for_bit(
+        (scene, solution) in any_scene().prop_flat_map(|scene| {
+            let solution = proptest::option::of(any_solution(&scene));
+            (Just(scene), solution)
+        })
+    ) {
+        let bytes = to_bytes(&scene, solution.as_ref());
+        let (scene_again, solution_again) = from_bytes(&bytes).unwrap();
+        prop_assert_eq!(&scene_again, &scene);
+        prop_assert_eq!(&solution_again, &solution);
+        // Equality takes -0 for 0; equal bytes do not.
+        prop_assert_eq!(to_bytes(&scene_again, solution_again.as_ref()), bytes);
+    }
+
+    #[test]
+    fn random_bytes_never_panic(bytes in vec(any::<u8>(), 0..300)) {
+        prop_assert!(from_bytes(&bytes).is_err());
+    }
+
+    #[test]
+    fn random_bytes_after_a_valid_start_never_panic(
+        start in 0_usize..300, bytes in vec(any::<u8>(), 1..300)
+    ) {
+        let mut file = to_bytes(&small_scene(), None);
+        let end = (start + bytes.len()).min(file.len());
+        let changed = &bytes[..end - start];
+        let is_same = &file[start..end] == changed;
+        file[start..end].copy_from_slice(changed);
+        prop_assert_eq!(from_bytes(&file).is_ok(), is_same);
+    }
+}
+
+#[test]
+fn saved_file_loads_from_disk_with_and_without_a_solution() {
+    let folder = folder();
+    let path = folder.path().join("a b.rad");
+    let scene = small_scene();
+    save(&path, &scene, None).unwrap();
+    assert_eq!(load(&path).unwrap(), (scene.clone(), None));
+    let solution = small_solution(&scene);
+    save(&path, &scene, Some(&solution)).unwrap();
+    let (scene_again, solution_again) = load(&path).unwrap();
+    let solution_again = solution_again.unwrap();
+    assert_eq!(scene_again, scene);
+    assert_eq!(solution_again, solution);
+    assert_eq!(bits(&solution_again.irradiance), bits(&solution.irradiance));
+    // A result is a valid input, and the same one: nothing drifts from save to save.
+    let bytes = std::fs::read(&path).unwrap();
+    assert_eq!(to_bytes(&scene_again, Some(&solution_again)), bytes);
+}
+
+#[test]
+fn regression_infinite_residual_leaves_the_file_readable() {
+    let scene = small_scene();
+    let mut solution = small_solution(&scene);
+    solution.provenance.residuals = vec![f64::INFINITY, 0.5];
+    let (_, again) = from_bytes(&to_bytes(&scene, Some(&solution))).unwrap();
+    let residuals = again.unwrap().provenance.residuals;
+    assert!(residuals[0].is_nan());
+    assert_eq!(residuals[1].to_bits(), 0.5_f64.to_bits());
+}
