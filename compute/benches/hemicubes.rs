@@ -20,13 +20,20 @@ const RESOLUTION: u32 = 100;
 const HEMICUBES: u32 = 64;
 
 fn scene(model: Model, max_area: f64) -> Scene {
-    let settings = Settings { max_area: Some(max_area), ..Settings::new(model) };
-    genx::make(&settings).expect("the built-in models are valid").scene
+    let settings = Settings {
+        max_area: Some(max_area),
+        ..Settings::new(model)
+    };
+    genx::make(&settings)
+        .expect("the built-in models are valid")
+        .scene
 }
 
 fn patches(scene: &Scene) -> Vec<PatchId> {
     let count = u64::from(scene.patch_count());
-    (0..HEMICUBES).map(|k| PatchId((count * u64::from(k) / u64::from(HEMICUBES)) as u32)).collect()
+    (0..HEMICUBES)
+        .map(|k| PatchId((count * u64::from(k) / u64::from(HEMICUBES)) as u32))
+        .collect()
 }
 
 fn item_buffers(c: &mut Criterion, name: &str, scenes: &[Scene]) {

@@ -18,11 +18,7 @@ fn main() -> ExitCode {
         }
         Err(error) => {
             eprintln!("compute: error: {error:#}");
-            ExitCode::from(if interrupt::requested() {
-                interrupt::EXIT_CODE
-            } else {
-                1
-            })
+            ExitCode::FAILURE
         }
     }
 }

@@ -68,7 +68,7 @@ pub struct Report {
     pub iterations: u64,
     /// Of them, those before this run.
     pub iterations_before: u64,
-    /// Relative residual after each iteration, dimensionless.
+    /// Relative residual after each iteration that was done with these settings, dimensionless.
     pub residuals: Vec<f64>,
     /// Power balance.
     pub energy: Energy,

@@ -47,14 +47,6 @@ struct Run<'a> {
     seconds: Seconds,
 }
 
-/// What a run starts from.
-struct Start {
-    solution: Solution,
-    iterations_before: u64,
-    /// False where the residual so far tells nothing about these settings.
-    residual_holds: bool,
-}
-
 impl<'a> Run<'a> {
     fn new(settings: &'a Settings) -> Self {
         Self {
@@ -80,17 +72,34 @@ impl<'a> Run<'a> {
             eprintln!("compute: {remark}");
         }
         let mut rows = RowCache::new(&scene, source, settings.form_factors, settings.memory_bytes);
-        if let Some(path) = &settings.form_factors_csv {
-            form_factors_csv::save(path, &mut rows, scene.patch_count())?;
+        if let Some(path) = &settings.form_factors_csv
+            && let Err(error) = form_factors_csv::save(path, &mut rows, scene.patch_count())
+        {
+            if !interrupt::requested() {
+                return Err(error);
+            }
+            // What there is of a solution is still written below.
+            eprintln!("compute: {error:#}");
         }
 
-        let start = self.start_from(&scene, solution);
-        let iterations_before = start.iterations_before;
-        let residual_holds = start.residual_holds;
-        let mut solver = solver(settings.solver, &scene, start.solution);
-        let result = self.iterate(&scene, solver.as_mut(), &mut rows, residual_holds);
-
-        let solution = solver.snapshot();
+        let iterations_before = solution.as_ref().map_or(0, |s| s.provenance.iterations);
+        let (solution, result) = if settings
+            .max_iterations
+            .is_some_and(|most| iterations_before >= most)
+        {
+            eprintln!(
+                "compute: nothing to do: {} has had {iterations_before} iterations",
+                settings.input.display()
+            );
+            // As it is: these settings have done nothing to it.
+            let solution = solution.unwrap_or_else(|| self.start_from(&scene, None));
+            (solution, Ok(StoppedBy::Iterations))
+        } else {
+            let start = self.start_from(&scene, solution);
+            let mut solver = solver(settings.solver, &scene, start);
+            let result = self.iterate(&scene, solver.as_mut(), &mut rows);
+            (solver.snapshot(), result)
+        };
         let saved = self.save(&scene, &solution);
         // What failed first is what the user needs to know.
         let stopped_by = match result {
@@ -102,12 +111,6 @@ impl<'a> Run<'a> {
             }
         };
         saved?;
-        if solver.iterations() == iterations_before && stopped_by == StoppedBy::Iterations {
-            eprintln!(
-                "compute: nothing to do: {} has had {iterations_before} iterations",
-                settings.input.display()
-            );
-        }
 
         let statistics = rows.statistics();
         self.seconds.draw = statistics.duration.as_secs_f64();
@@ -137,7 +140,7 @@ impl<'a> Run<'a> {
             },
             seconds: self.seconds,
             peak_memory_bytes: report::peak_memory_bytes(),
-            iterations: solver.iterations(),
+            iterations: solution.provenance.iterations,
             iterations_before,
             residuals: solution.provenance.residuals,
             energy,
@@ -153,30 +156,25 @@ impl<'a> Run<'a> {
 
     /// The state to go on from: the file's own where it was made with the same settings, else its
     /// irradiances alone.
-    fn start_from(&self, scene: &Scene, solution: Option<Solution>) -> Start {
+    fn start_from(&self, scene: &Scene, solution: Option<Solution>) -> Solution {
         let description = describe(self.settings);
         let fresh = solution.is_none();
         let mut solution = solution.unwrap_or_else(|| Solution::dark(scene));
-        let iterations_before = solution.provenance.iterations;
-        let same = solution.provenance.settings == description;
-        if !fresh && !same {
+        if !fresh && solution.provenance.settings != description {
             eprintln!(
                 "compute: {} was solved with other settings ({}); its radiosities are the start",
                 self.settings.input.display(),
                 solution.provenance.settings,
             );
-        }
-        if !same {
             solution.unfinished = None;
             solution.unshot = None;
+            // They tell nothing about these settings, neither now nor in a file that is continued
+            // before these settings have done an iteration.
+            solution.provenance.residuals.clear();
         }
         solution.provenance.solver = self.settings.solver.to_string();
         solution.provenance.settings = description;
-        Start {
-            solution,
-            iterations_before,
-            residual_holds: same,
-        }
+        solution
     }
 
     /// Iterates until something says stop.
@@ -185,7 +183,6 @@ impl<'a> Run<'a> {
         scene: &Scene,
         solver: &mut dyn Solver,
         rows: &mut RowCache,
-        mut residual_holds: bool,
     ) -> anyhow::Result<StoppedBy> {
         let settings = self.settings;
         let mut progress = Progress::new(settings.tolerance);
@@ -197,7 +194,7 @@ impl<'a> Run<'a> {
             {
                 break StoppedBy::Iterations;
             }
-            if residual_holds && solver.residual().is_some_and(|r| r <= settings.tolerance) {
+            if solver.residual().is_some_and(|r| r <= settings.tolerance) {
                 break StoppedBy::Tolerance;
             }
             if interrupt::requested() {
@@ -210,12 +207,11 @@ impl<'a> Run<'a> {
                 break StoppedBy::TimeLimit;
             }
             let step = solver.step(rows)?;
-            residual_holds |= step.ends_iteration;
             let statistics = rows.statistics();
             progress.show(Position {
                 iterations: solver.iterations(),
                 share_done: step.share_done,
-                residual: solver.residual().filter(|_| residual_holds),
+                residual: solver.residual(),
                 hemicubes: statistics.hemicubes,
                 drawing: statistics.duration,
             });

@@ -16,7 +16,7 @@
 //! that share an edge compute its crossing of a row from the same numbers with opposite signs, so
 //! no pixel between them is missed. Reversed depth: 1/w is kept, 0 is infinitely far.
 
-use fearless_simd::{Level, Simd, dispatch, prelude::*};
+use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*, u32x8};
 use fearless_simd_macros::simd;
 use glam::DVec3;
 use scene::{Scene, SurfaceId};
@@ -156,10 +156,11 @@ const PADDING: usize = 16;
 pub struct Raster {
     level: Level,
     window: Option<Window>,
-    stride: usize,
-    /// 1/w, 1/m; `stride` a row.
+    /// Of the surfaces' e_k; set for those that touch the window.
+    edges: Vec<[OverPixels; 3]>,
+    /// 1/w, 1/m; `width + PADDING` a row.
     inverse_depth: Vec<f32>,
-    /// Index into the projection's surfaces, or [`NONE`]; `stride` a row.
+    /// Index into the projection's surfaces, or [`NONE`]; `width + PADDING` a row.
     surface: Vec<u32>,
     /// One row of patch IDs.
     row: Vec<u32>,
@@ -170,7 +171,7 @@ impl Default for Raster {
         Self {
             level: Level::new(),
             window: None,
-            stride: 0,
+            edges: Vec::new(),
             inverse_depth: Vec::new(),
             surface: Vec::new(),
             row: Vec::new(),
@@ -181,21 +182,24 @@ impl Default for Raster {
 impl Raster {
     /// Draws all surfaces of a projection.
     pub fn draw(&mut self, projection: &Projection, window: &Window) {
-        self.stride = window.width + PADDING;
         self.window = Some(*window);
-        let pixels = self.stride * window.height;
+        self.edges
+            .resize(projection.surfaces.len(), Default::default());
+        let pixels = (window.width + PADDING) * window.height;
         self.inverse_depth.clear();
         self.inverse_depth.resize(pixels, 0.0);
         self.surface.clear();
         self.surface.resize(pixels, NONE);
         let Self {
             level,
-            stride,
+            edges,
             inverse_depth,
             surface,
             ..
         } = self;
-        dispatch!(*level, simd => draw(simd, &projection.surfaces, window, *stride, inverse_depth, surface));
+        dispatch!(*level, simd => draw(
+            simd, &projection.surfaces, window, edges, inverse_depth, surface
+        ));
     }
 
     /// Hands out the patch IDs of the last picture row by row, with `nothing` and `back_face` for
@@ -208,22 +212,29 @@ impl Raster {
         mut take: impl FnMut(usize, &[u32]),
     ) {
         let Some(window) = self.window else { return };
-        self.row.resize(self.stride, 0);
+        let stride = window.width + PADDING;
+        self.row.resize(stride, 0);
+        let look_up = LookUp {
+            surfaces: &projection.surfaces,
+            edges: &self.edges,
+            nothing,
+            back_face,
+        };
         for j in 0..window.height {
-            let surface = &self.surface[j * self.stride..][..window.width];
+            let surface = &self.surface[j * stride..][..window.width];
             let row = &mut self.row;
-            dispatch!(self.level, simd => look_up_row(
-                simd, &projection.surfaces, &window, j, surface, row, nothing, back_face
-            ));
+            dispatch!(self.level, simd => look_up_row(simd, &look_up, j, surface, row));
             take(j, &self.row[..window.width]);
         }
     }
 
     /// What pixel (i, j) of the last picture sees.
     pub fn sample(&self, projection: &Projection, i: usize, j: usize) -> Sample {
-        let index = self.surface[j * self.stride + i];
-        let (Some(window), Some(seen)) = (&self.window, projection.surfaces.get(index as usize))
-        else {
+        let Some(window) = &self.window else {
+            return Sample::Nothing;
+        };
+        let index = self.surface[j * (window.width + PADDING) + i];
+        let Some(seen) = projection.surfaces.get(index as usize) else {
             return Sample::Nothing;
         };
         if seen.is_back_face {
@@ -242,37 +253,61 @@ impl Raster {
     }
 }
 
-/// Where an edge crosses a row of pixels, in pixels: base + slope * row; and on which side of it
-/// the inside lies.
+/// A value that is linear over a window's pixels: its coefficients of i, of j and of 1.
+type OverPixels = [f64; 3];
+
+/// Where a triangle's edges cross a row of pixels: between `low` and `high` lies the inside.
 #[derive(Clone, Copy)]
-enum Crossing {
-    /// The inside starts there.
-    From { base: f64, slope: f64 },
-    /// The inside ends there.
-    To { base: f64, slope: f64 },
-    /// The edge is parallel to the rows: inside where base + slope * row >= 0.
-    Level { base: f64, slope: f64 },
+struct Crossings {
+    /// Base and slope of each: the crossing of row j is at pixel base + slope j.
+    low: [(f64, f64); 3],
+    high: [(f64, f64); 3],
 }
 
-impl Crossing {
-    /// e at the centre of pixel (i, j) is a i + b j + c; the edge is moved outwards by `outset` pixels.
-    #[inline]
-    fn new([a, b, c]: [f64; 3], outset: f64) -> Self {
-        let c = c + outset * (a.abs() + b.abs());
-        let (base, slope) = (-c / a, -b / a);
-        if a > 0.0 {
-            Self::From { base, slope }
-        } else if a < 0.0 {
-            Self::To { base, slope }
-        } else {
-            Self::Level { base: c, slope: b }
+impl Crossings {
+    /// e_k at the centre of pixel (i, j) is a i + b j + c; edges are moved outwards by `outset` pixels.
+    #[inline(always)]
+    fn new(edges: &[OverPixels; 3], outset: f64) -> Self {
+        let mut crossings = Self {
+            low: [(f64::NEG_INFINITY, 0.0); 3],
+            high: [(f64::INFINITY, 0.0); 3],
+        };
+        for (k, &[a, b, c]) in edges.iter().enumerate() {
+            let c = c + outset * (a.abs() + b.abs());
+            // An edge along the rows crosses them far to the left or far to the right.
+            let a = if a == 0.0 {
+                1e-100 * (b.abs() + c.abs())
+            } else {
+                a
+            };
+            let crossing = (-c / a, -b / a);
+            if a > 0.0 {
+                crossings.low[k] = crossing;
+            } else {
+                crossings.high[k] = crossing;
+            }
         }
+        crossings
+    }
+
+    /// The first pixel of row j and the pixel after its last, of 0..width; empty where the second is
+    /// not greater.
+    #[inline(always)]
+    fn span(&self, j: usize, width: usize) -> (usize, usize) {
+        let j = j as f64;
+        let at = |(base, slope): (f64, f64)| base + slope * j;
+        let [l0, l1, l2] = self.low;
+        let [h0, h1, h2] = self.high;
+        let low = at(l0).max(at(l1)).max(at(l2)).max(0.0);
+        let high = at(h0).min(at(h1)).min(at(h2)).min(width as f64 - 1.0);
+        // A cast saturates, so that a negative `high` ends the row before its first pixel.
+        (low.ceil() as usize, (high + 1.0) as usize)
     }
 }
 
 /// The value v . d, linear over the pixels' centres, as the coefficients of i, of j and of 1.
-#[inline]
-fn over_pixels(v: DVec3, window: &Window) -> [f64; 3] {
+#[inline(always)]
+fn over_pixels(v: DVec3, window: &Window) -> OverPixels {
     let (x, y) = (v.dot(window.right), v.dot(window.up));
     let c = v.dot(window.forward)
         + x * (window.left + 0.5 * window.pixel)
@@ -281,14 +316,14 @@ fn over_pixels(v: DVec3, window: &Window) -> [f64; 3] {
 }
 
 /// The rows a triangle can touch, or `None` where it is outside the window.
-#[inline]
-fn row_range(corners: [DVec3; 3], window: &Window) -> Option<(usize, usize)> {
+#[inline(always)]
+fn row_range(corners: &[DVec3; 3], window: &Window) -> Option<(usize, usize)> {
     let right = window.left + window.width as f64 * window.pixel;
     let top = window.bottom + window.height as f64 * window.pixel;
     let mut outside = [true; 5];
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     let mut all_in_front = true;
-    for q in corners {
+    for &q in corners {
         let (x, y, w) = (q.dot(window.right), q.dot(window.up), q.dot(window.forward));
         outside[0] &= w <= 0.0;
         outside[1] &= x < window.left * w;
@@ -319,44 +354,31 @@ fn draw<S: Simd>(
     simd: S,
     surfaces: &[Projected],
     window: &Window,
-    stride: usize,
+    edges: &mut [[OverPixels; 3]],
     inverse_depth: &mut [f32],
     surface: &mut [u32],
 ) {
+    let stride = window.width + PADDING;
     for (index, seen) in surfaces.iter().enumerate() {
-        let Some((first_row, end_row)) = row_range(seen.corners, window) else {
+        let Some((first_row, end_row)) = row_range(&seen.corners, window) else {
             continue;
         };
+        for k in 0..3 {
+            edges[index][k] = over_pixels(seen.edges[k], window);
+        }
         let outset = if seen.is_back_face {
             0.0
         } else {
             FRONT_FACE_OUTSET
         };
-        let crossings = seen
-            .edges
-            .map(|edge| Crossing::new(over_pixels(edge, window), outset));
+        let crossings = Crossings::new(&edges[index], outset);
         let [depth_i, depth_j, depth_1] = over_pixels(seen.inverse_depth, window);
         for j in first_row..end_row {
-            let row = j as f64;
-            let (mut low, mut high) = (0.0_f64, window.width as f64 - 1.0);
-            for crossing in crossings {
-                match crossing {
-                    Crossing::From { base, slope } => low = low.max(base + slope * row),
-                    Crossing::To { base, slope } => high = high.min(base + slope * row),
-                    Crossing::Level { base, slope } => {
-                        if base + slope * row < 0.0 {
-                            high = -1.0;
-                        }
-                    }
-                }
-            }
-            let low = low.ceil();
-            // Negated: a NaN draws nothing.
-            if low > high || high.is_nan() {
+            let (first, end) = crossings.span(j, window.width);
+            if first >= end {
                 continue;
             }
-            let first = low as usize;
-            let count = high as usize + 1 - first;
+            let count = end - first;
             let start = j * stride + first;
             let padded = start..start + count.next_multiple_of(PADDING);
             fill(
@@ -364,7 +386,7 @@ fn draw<S: Simd>(
                 &mut inverse_depth[padded.clone()],
                 &mut surface[padded],
                 count,
-                (depth_i * low + (depth_j * row + depth_1)) as f32,
+                (depth_i * first as f64 + (depth_j * j as f64 + depth_1)) as f32,
                 depth_i as f32,
                 index as u32,
             );
@@ -404,19 +426,17 @@ fn fill<S: Simd>(
     }
 }
 
-/// Patch IDs of row j.
-#[simd]
-#[allow(clippy::too_many_arguments)] // one call site, within this file
-fn look_up_row<S: Simd>(
-    simd: S,
-    surfaces: &[Projected],
-    window: &Window,
-    j: usize,
-    surface: &[u32],
-    ids: &mut [u32],
+/// What looking patches up needs to know, the same for all rows of a window.
+struct LookUp<'a> {
+    surfaces: &'a [Projected],
+    edges: &'a [[OverPixels; 3]],
     nothing: u32,
     back_face: u32,
-) {
+}
+
+/// Patch IDs of row j.
+#[simd]
+fn look_up_row<S: Simd>(simd: S, look_up: &LookUp, j: usize, surface: &[u32], ids: &mut [u32]) {
     let mut start = 0;
     while start < surface.len() {
         let index = surface[start];
@@ -425,25 +445,29 @@ fn look_up_row<S: Simd>(
             end += 1;
         }
         if index == NONE {
-            ids[start..end].fill(nothing);
+            ids[start..end].fill(look_up.nothing);
         } else {
-            let seen = &surfaces[index as usize];
+            let seen = &look_up.surfaces[index as usize];
             if seen.is_back_face {
-                ids[start..end].fill(back_face);
+                ids[start..end].fill(look_up.back_face);
             } else if seen.depth == 0 {
                 ids[start..end].fill(seen.first_patch);
             } else {
-                let values = seen.edges.map(|edge| {
-                    let [a, b, c] = over_pixels(edge, window);
-                    ((a * start as f64 + (b * j as f64 + c)) as f32, a as f32)
-                });
-                let ids = &mut ids[start..start + (end - start).next_multiple_of(PADDING)];
-                look_up_run(simd, values, seen.depth, seen.first_patch, end - start, ids);
+                let mut values = [(0.0, 0.0); 3];
+                for (value, [a, b, c]) in values.iter_mut().zip(look_up.edges[index as usize]) {
+                    *value = ((a * start as f64 + (b * j as f64 + c)) as f32, a as f32);
+                }
+                let ids = &mut ids[start..start + (end - start).next_multiple_of(LOOK_UP_LANES)];
+                look_up_run(simd, values, seen.depth, seen.first_patch, ids);
             }
         }
         start = end;
     }
 }
+
+/// Pixels looked up at a time. Runs of one surface are often short, so that wider vectors, where
+/// there are any, would mostly look up pixels that nobody asked for.
+const LOOK_UP_LANES: usize = 8;
 
 /// Patch IDs of a run of pixels of one surface: the walk down of [`scene::bisection::locate`], all
 /// lanes together. `values` are e_k at the first pixel and its step from pixel to pixel.
@@ -453,22 +477,17 @@ fn look_up_run<S: Simd>(
     values: [(f32, f32); 3],
     depth: u32,
     first_patch: u32,
-    count: usize,
     ids: &mut [u32],
 ) {
-    let lanes = S::f32s::LEN;
-    let iota = S::f32s::from_fn(simd, |lane| lane as f32);
-    let one = S::u32s::splat(simd, 1);
-    let zero = S::u32s::splat(simd, 0);
-    for (k, ids) in ids.chunks_exact_mut(lanes).enumerate() {
-        if k * lanes >= count {
-            break;
-        }
-        let offset = iota + (k * lanes) as f32;
-        let at = |(base, step): (f32, f32)| {
-            S::f32s::splat(simd, base) + S::f32s::splat(simd, step) * offset
-        };
-        let [mut a, mut b, mut c] = [at(values[0]), at(values[1]), at(values[2])];
+    let iota = f32x8::from_fn(simd, |lane| lane as f32);
+    let one = u32x8::splat(simd, 1);
+    let zero = u32x8::splat(simd, 0);
+    let [(a_base, a_step), (b_base, b_step), (c_base, c_step)] = values;
+    for (k, ids) in ids.chunks_exact_mut(LOOK_UP_LANES).enumerate() {
+        let offset = iota + (k * LOOK_UP_LANES) as f32;
+        let mut a = offset * a_step + a_base;
+        let mut b = offset * b_step + b_base;
+        let mut c = offset * c_step + c_base;
         let mut code = zero;
         for _ in 0..depth {
             let second = a.simd_lt(b);

@@ -78,12 +78,13 @@ fn project(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance
         seen.position = vec4f(2.0, 2.0, 0.0, 1.0);
         return seen;
     }
-    seen.is_back_face = u32(determinant > 0.0);
-    // q_{k+1} x q_{k+2} = q_{k+1} x (q_{k+2} - q_{k+1}), with less to cancel. For the front, where
-    // the determinant is negative, the sign is turned.
-    seen.edge_0 = in_face(cross(surface.corner_2 - surface.corner_1, q_1), face);
-    seen.edge_1 = in_face(cross(surface.corner_0 - surface.corner_2, q_2), face);
-    seen.edge_2 = in_face(cross(surface.corner_1 - surface.corner_0, q_0), face);
+    let is_back_face = determinant > 0.0;
+    seen.is_back_face = u32(is_back_face);
+    // q_{k+1} x q_{k+2} = q_{k+1} x (q_{k+2} - q_{k+1}), with less to cancel; positive inside.
+    let inside = select(-1.0, 1.0, is_back_face);
+    seen.edge_0 = in_face(inside * cross(q_1, surface.corner_2 - surface.corner_1), face);
+    seen.edge_1 = in_face(inside * cross(q_2, surface.corner_0 - surface.corner_2), face);
+    seen.edge_2 = in_face(inside * cross(q_0, surface.corner_1 - surface.corner_0), face);
     seen.origin = vec3f(face.origin_x, face.origin_y, face.bottom);
     seen.first_patch = surface.first_patch;
     seen.depth = surface.depth;
@@ -92,8 +93,10 @@ fn project(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance
     let q = in_face(select(select(q_2, q_1, corner == 1u), q_0, corner == 0u), face);
     // Rows grow upwards in a face and downwards in the atlas. Both factors are exact.
     let y = q.y * (2.0 / face.height) - q.z * (2.0 * face.bottom / face.height + 1.0);
-    // Reversed depth, near / w, with the far plane at infinity.
-    seen.position = vec4f(q.x, -y, settings.near, q.z);
+    // Reversed depth, near / w, with the far plane at infinity. Where a front and a back meet at the
+    // silhouette of a closed body, their depths are the same but for rounding: the front is to win.
+    let near = settings.near * select(1.0, BACK_FACE_NEARNESS, is_back_face);
+    seen.position = vec4f(q.x, -y, near, q.z);
     return seen;
 }
 
@@ -128,6 +131,12 @@ fn look_up(seen: Seen) -> @location(0) vec4u {
     var id = seen.first_patch + leaf_code(seen.depth, barycentric);
     var alpha = ALPHA_PATCH;
     if seen.is_back_face != 0u {
+        // Rounded corners may let a surface cover a pixel that it passes by. For a back at the silhouette
+        // of a closed body, that would show the inside.
+        let least = min(barycentric.x, min(barycentric.y, barycentric.z));
+        if least < -BACK_FACE_MARGIN * (barycentric.x + barycentric.y + barycentric.z) {
+            discard;
+        }
         id = NO_PATCH;
         alpha = ALPHA_BACK_FACE;
     }

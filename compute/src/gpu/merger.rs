@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::adapter::Gpu;
 use super::item_buffer::AtlasLayout;
 use super::structs::{
-    self, MergeSettings, PIXELS_PER_THREAD, RowSummary, SLOTS_PER_BLOCK, Tile, WORKGROUP_SIZE,
+    self, MergeSettings, PIXELS_PER_THREAD, RowSummary, Tile, WORKGROUP_SIZE,
 };
 use crate::delta_form_factors::DeltaFormFactors;
 use crate::hemicube;
@@ -71,7 +71,8 @@ impl Merger {
         }
         let budget = BATCH_BUDGET.min(most);
         let max_rows = (budget / sums_bytes.max(entries_bytes)).clamp(1, MAX_ROWS);
-        let blocks_per_row = patch_count.div_ceil(SLOTS_PER_BLOCK);
+        let words_per_row = patch_count.div_ceil(u32::BITS);
+        let blocks_per_row = words_per_row.div_ceil(WORKGROUP_SIZE);
 
         let storage = wgpu::BufferUsages::STORAGE;
         let (to, from) = (wgpu::BufferUsages::COPY_DST, wgpu::BufferUsages::COPY_SRC);
@@ -86,6 +87,7 @@ impl Merger {
         let tiles = gpu.buffer("tiles", tiles_bytes, storage | to);
         let entries = gpu.buffer("entries", max_rows * entries_bytes, storage | from);
         let summaries = gpu.buffer("summaries", summaries_bytes, storage | from);
+        let touched = gpu.buffer("touched", 4 * max_rows * u64::from(words_per_row), storage);
         let blocks = gpu.buffer("blocks", 4 * max_rows * u64::from(blocks_per_row), storage);
         let sums = gpu.buffer("sums", max_rows * sums_bytes, storage);
 
@@ -99,6 +101,7 @@ impl Merger {
                 gpu.constant_buffer("delta form factors", &factors, storage)
                     .as_entire_binding(),
                 sums.as_entire_binding(),
+                touched.as_entire_binding(),
                 blocks.as_entire_binding(),
                 entries.as_entire_binding(),
                 summaries.as_entire_binding(),
@@ -110,6 +113,7 @@ impl Merger {
             settings: MergeSettings {
                 resolution: layout.resolution,
                 patch_count,
+                words_per_row,
                 blocks_per_row,
                 row_count: 0,
             },
@@ -270,6 +274,7 @@ fn group_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
         atlas,
         read_only,
         read_only,
+        read_write,
         read_write,
         read_write,
         read_write,

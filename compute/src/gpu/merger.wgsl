@@ -12,6 +12,7 @@ struct Tile {
 struct MergeSettings {
     resolution: u32,
     patch_count: u32,
+    words_per_row: u32,
     blocks_per_row: u32,
     row_count: u32,
 }
@@ -33,10 +34,13 @@ struct Entry {
 @group(0) @binding(3) var<storage, read> delta_form_factors: array<u32>;
 // One row after the other: a sum for each patch, one for nothing, one for back faces.
 @group(0) @binding(4) var<storage, read_write> sums: array<atomic<u32>>;
-// One per block of sums: its number of non-zero ones, then where its entries start.
-@group(0) @binding(5) var<storage, read_write> blocks: array<u32>;
-@group(0) @binding(6) var<storage, read_write> entries: array<Entry>;
-@group(0) @binding(7) var<storage, read_write> summaries: array<RowSummary>;
+// One row after the other: a bit for each patch whose sum is not zero.
+@group(0) @binding(5) var<storage, read_write> touched: array<atomic<u32>>;
+// One per block, which is a word of bits for each thread of a workgroup: its number of bits that are
+// set, then where its entries start.
+@group(0) @binding(6) var<storage, read_write> blocks: array<u32>;
+@group(0) @binding(7) var<storage, read_write> entries: array<Entry>;
+@group(0) @binding(8) var<storage, read_write> summaries: array<RowSummary>;
 
 fn slots_per_row() -> u32 {
     return settings.patch_count + 2u;
@@ -49,6 +53,16 @@ fn slot_of(texel: vec4u) -> u32 {
     return settings.patch_count + u32(texel.a == ALPHA_BACK_FACE);
 }
 
+fn add_run(row: u32, slot: u32, units: u32) {
+    if units == 0u {
+        return;
+    }
+    // The first to come marks the sum.
+    if atomicAdd(&sums[row * slots_per_row() + slot], units) == 0u && slot < settings.patch_count {
+        atomicOr(&touched[row * settings.words_per_row + slot / 32u], 1u << (slot % 32u));
+    }
+}
+
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn add_pixels(
     @builtin(global_invocation_id) invocation: vec3u,
@@ -57,7 +71,6 @@ fn add_pixels(
     let tile = tiles[workgroup.y];
     let first = invocation.x * PIXELS_PER_THREAD;
     let end = min(first + PIXELS_PER_THREAD, settings.resolution * settings.resolution);
-    let row = tile.row * slots_per_row();
     // Neighbours mostly see the same patch: one addition for all of a run.
     var slot = 0u;
     var sum = 0u;
@@ -68,17 +81,13 @@ fn add_pixels(
         );
         let here = slot_of(textureLoad(atlas, position, 0));
         if here != slot {
-            if sum != 0u {
-                atomicAdd(&sums[row + slot], sum);
-            }
+            add_run(tile.row, slot, sum);
             slot = here;
             sum = 0u;
         }
         sum += delta_form_factors[tile.first_factor + pixel % tile.factor_period];
     }
-    if sum != 0u {
-        atomicAdd(&sums[row + slot], sum);
-    }
+    add_run(tile.row, slot, sum);
 }
 
 var<workgroup> partial_sums: array<u32, WORKGROUP_SIZE>;
@@ -99,18 +108,16 @@ fn inclusive_sum(thread: u32, value: u32) -> u32 {
     return partial_sums[thread];
 }
 
-// First and end of the patches whose sums one thread searches.
-fn patches_of(block: u32, thread: u32) -> vec2u {
-    let first = (block * WORKGROUP_SIZE + thread) * SLOTS_PER_THREAD;
-    return vec2u(first, min(first + SLOTS_PER_THREAD, settings.patch_count));
+// The word of bits that a thread cares for, among those of its row.
+fn word_index(block: u32, thread: u32) -> u32 {
+    return block * WORKGROUP_SIZE + thread;
 }
 
-fn count_in(row: u32, patches: vec2u) -> u32 {
-    var count = 0u;
-    for (var id = patches.x; id < patches.y; id++) {
-        count += u32(atomicLoad(&sums[row + id]) != 0u);
+fn load_word(row: u32, index: u32) -> u32 {
+    if index >= settings.words_per_row {
+        return 0u;
     }
-    return count;
+    return atomicLoad(&touched[row * settings.words_per_row + index]);
 }
 
 @compute @workgroup_size(WORKGROUP_SIZE)
@@ -118,9 +125,8 @@ fn count_entries(
     @builtin(workgroup_id) workgroup: vec3u,
     @builtin(local_invocation_index) thread: u32,
 ) {
-    let row = workgroup.y * slots_per_row();
-    let count = count_in(row, patches_of(workgroup.x, thread));
-    let total = inclusive_sum(thread, count);
+    let word = load_word(workgroup.y, word_index(workgroup.x, thread));
+    let total = inclusive_sum(thread, countOneBits(word));
     if thread == WORKGROUP_SIZE - 1u {
         blocks[workgroup.y * settings.blocks_per_row + workgroup.x] = total;
     }
@@ -154,18 +160,20 @@ fn write_entries(
     @builtin(local_invocation_index) thread: u32,
 ) {
     let row = workgroup.y * slots_per_row();
-    let patches = patches_of(workgroup.x, thread);
-    let count = count_in(row, patches);
+    let index = word_index(workgroup.x, thread);
+    var word = load_word(workgroup.y, index);
+    let count = countOneBits(word);
     var place = blocks[workgroup.y * settings.blocks_per_row + workgroup.x]
         + inclusive_sum(thread, count) - count;
-    for (var id = patches.x; id < patches.y; id++) {
-        let units = atomicLoad(&sums[row + id]);
-        if units != 0u {
-            entries[place] = Entry(id, units);
-            place += 1u;
-            // The next batch starts from zero.
-            atomicStore(&sums[row + id], 0u);
-        }
+    if word != 0u {
+        // The next batch starts from zero.
+        atomicStore(&touched[workgroup.y * settings.words_per_row + index], 0u);
+    }
+    while word != 0u {
+        let id = index * 32u + countTrailingZeros(word);
+        word &= word - 1u;
+        entries[place] = Entry(id, atomicExchange(&sums[row + id], 0u));
+        place += 1u;
     }
     if workgroup.x == 0u && thread == 0u {
         let nothing = row + settings.patch_count;

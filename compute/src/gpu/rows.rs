@@ -80,6 +80,7 @@ impl<'a> GpuRows<'a> {
         let point = frames.iter().position(|f| f == frame).unwrap_or(0);
         let layout = self.drawer.layout();
         let mut ids = Vec::with_capacity(hemicube::pixel_count(layout.resolution));
+        self.gpu.check()?;
         for tile in 0..TILES_PER_HEMICUBE {
             let origin = layout.origin(self.hemicube(patch, point), tile);
             self.drawer.add(self.scene, own, frame, tile, origin);
@@ -208,6 +209,69 @@ impl Pace {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settings::Maps;
+    use glam::{DVec3, Vec3};
+    use scene::{Material, MaterialId, ObjectId, Surface};
+
+    fn scene() -> Scene {
+        let material = Material {
+            name: "grey".into(),
+            reflectance: Vec3::splat(0.5),
+            emission: Vec3::ZERO,
+        };
+        let surface = |corners| Surface {
+            corners,
+            material: MaterialId(0),
+            object: ObjectId(0),
+        };
+        let surfaces = vec![
+            surface([Vec3::ZERO, Vec3::X, Vec3::Y]),
+            surface([Vec3::Z, Vec3::Y + Vec3::Z, Vec3::X + Vec3::Z]),
+        ];
+        Scene::new(
+            vec![material],
+            vec!["two".into()],
+            surfaces,
+            &[4, 4],
+            DVec3::ZERO,
+        )
+        .unwrap()
+    }
+
+    #[test]
+    fn a_lost_device_is_an_error_from_then_on_and_no_panic() {
+        let scene = scene();
+        let settings = FormFactorSettings {
+            resolution: 20,
+            maps: Maps::Exact,
+            points: Points::CENTROID,
+        };
+        let mut rows = match GpuRows::new(&scene, settings, AdapterChoice::Any) {
+            Ok(rows) => rows,
+            Err(BackendError::NoAdapter)
+                if std::env::var_os("REQUIRE_GPU").is_none_or(|value| value != "1") =>
+            {
+                eprintln!("skipped: there is no GPU adapter");
+                return;
+            }
+            Err(error) => panic!("{error}"),
+        };
+        assert_eq!(rows.draw_rows(0..4).unwrap().patches(), 0..4);
+        rows.gpu.device.destroy();
+        for _ in 0..3 {
+            let lost = rows.draw_rows(4..8);
+            assert!(
+                matches!(lost, Err(BackendError::DeviceLost { .. })),
+                "{lost:?}"
+            );
+        }
+        let frame = hemicube::frames(&scene, PatchId(0), Points::CENTROID)[0];
+        let lost = rows.item_buffer(PatchId(0), &frame);
+        assert!(
+            matches!(lost, Err(BackendError::DeviceLost { .. })),
+            "{lost:?}"
+        );
+    }
 
     #[test]
     fn submissions_grow_towards_the_target_and_shrink_at_once() {

@@ -1,8 +1,12 @@
-//! Small scenes made by hand.
+//! Small scenes made by hand, and the program by its command line.
 #![allow(dead_code)] // each test file uses some of them
 
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+
 use glam::{DVec3, Vec3};
-use scene::{Material, MaterialId, ObjectId, Scene, Surface};
+use scene::{Material, MaterialId, ObjectId, Rgb, Scene, Solution, Surface};
+use tempfile::TempDir;
 
 pub fn material(reflectance: f32, emission: f32) -> Material {
     Material {
@@ -113,4 +117,107 @@ pub fn furnished_room_surfaces() -> Vec<Surface> {
         1,
     ));
     surfaces
+}
+
+/// A room whose walls differ in reflectance and emission, in every channel.
+pub fn colourful_room(max_area: f64) -> Scene {
+    let coloured = |reflectance: [f32; 3], emission: [f32; 3]| Material {
+        name: "wall".into(),
+        reflectance: reflectance.into(),
+        emission: emission.into(),
+    };
+    let mut surfaces = furnished_room_surfaces();
+    // The ceiling is a lamp, and one wall is red.
+    for (first, material) in [(2, 2), (4, 3)] {
+        for surface in &mut surfaces[first..first + 2] {
+            surface.material = MaterialId(material);
+        }
+    }
+    scene(
+        vec![
+            coloured([0.5, 0.6, 0.7], [0.0; 3]),
+            coloured([0.3, 0.2, 0.1], [0.0, 0.0, 0.5]),
+            coloured([0.1, 0.2, 0.3], [10.0, 8.0, 6.0]),
+            coloured([0.75, 0.05, 0.05], [0.0; 3]),
+        ],
+        surfaces,
+        max_area,
+    )
+}
+
+/// A folder that is removed at the end of the test.
+pub fn folder() -> TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+/// Writes a scene without a solution.
+pub fn save(folder: &Path, name: &str, scene: &Scene) -> PathBuf {
+    let path = folder.join(name);
+    scene::file::save(&path, scene, None).unwrap();
+    path
+}
+
+/// Reads the solution of a file, which is whole.
+#[track_caller]
+pub fn load(folder: &Path, name: &str) -> Solution {
+    scene::file::load(&folder.join(name)).unwrap().1.unwrap()
+}
+
+/// The program, in a folder, on the cpu unless the arguments say otherwise.
+pub fn program(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_compute"));
+    command.args(arguments).current_dir(folder);
+    if !arguments.contains(&"--backend") && arguments.len() > 1 {
+        command.args(["--backend", "cpu"]);
+    }
+    command
+}
+
+/// Runs the program to its end.
+pub fn compute(folder: &Path, arguments: &[&str]) -> Output {
+    program(folder, arguments).output().unwrap()
+}
+
+/// Runs the program to an end that must be a good one.
+#[track_caller]
+pub fn solve(folder: &Path, arguments: &[&str]) -> Output {
+    let output = compute(folder, arguments);
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {output:?}");
+    output
+}
+
+/// Starts the program.
+pub fn start(folder: &Path, arguments: &[&str]) -> Child {
+    program(folder, arguments)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+}
+
+pub fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+pub fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+/// Bit patterns, for comparisons that tell -0 from 0.
+pub fn bits(values: &[Rgb]) -> Vec<[u32; 3]> {
+    values
+        .iter()
+        .map(|value| value.to_array().map(f32::to_bits))
+        .collect()
+}
+
+/// Names of all files in a folder, those with a leading dot included.
+pub fn files(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
 }

@@ -1,0 +1,340 @@
+//! Laws of stopping and going on: by limits, by Ctrl-C, by kill -9, and beside another program.
+
+mod common;
+
+use std::path::Path;
+use std::process::{Child, Command};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use common::{bits, compute, files, folder, load, save, solve, start, stderr, stdout};
+use scene::{Scene, Solution};
+
+const SOLVERS: [&str; 3] = ["jacobi", "gauss-seidel", "shooting"];
+
+/// Nothing here takes a hundredth of it; a test that waits longer has found a defect.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// About 900 patches: 15 batches an iteration on one thread.
+fn room() -> Scene {
+    common::colourful_room(0.1)
+}
+
+/// What a run goes on from: everything but how long it took.
+fn state(solution: &Solution) -> (Vec<[u32; 3]>, Option<Vec<[u32; 3]>>, Option<Vec<[u32; 3]>>, u64) {
+    (
+        bits(&solution.irradiance),
+        solution.unfinished.as_ref().map(|u| bits(&u.irradiance)),
+        solution.unshot.as_ref().map(|u| bits(u)),
+        solution.provenance.iterations,
+    )
+}
+
+#[track_caller]
+fn assert_same(a: &Solution, b: &Solution, what: &str) {
+    assert!(state(a) == state(b), "{what}: the bits differ");
+    assert_eq!(a.provenance, b.provenance, "{what}");
+}
+
+/// Asks until it is true.
+#[track_caller]
+fn wait_until(mut is_so: impl FnMut() -> bool) {
+    let start = Instant::now();
+    while !is_so() {
+        assert!(start.elapsed() < PATIENCE, "waited for nothing");
+        sleep(Duration::from_millis(2));
+    }
+}
+
+/// Sends a signal by name, as a user's shell would.
+fn signal(child: &Child, name: &str) {
+    let sent = Command::new("kill")
+        .args([format!("-{name}"), child.id().to_string()])
+        .status();
+    assert!(sent.unwrap().success());
+}
+
+/// A run that goes on until it is stopped, drawing all rows again in each iteration.
+fn start_endless(folder: &Path, input: &str, output: &str, more: &[&str]) -> Child {
+    let arguments = [input, output, "32", "--tolerance", "0", "--memory", "0KiB"];
+    start(folder, &[&arguments[..], more].concat())
+}
+
+/// Waits until a run holds the lock of its output, so that it listens to Ctrl-C too.
+fn wait_for_lock(folder: &Path, output: &str) {
+    wait_until(|| folder.join(format!(".{output}.lock")).exists());
+}
+
+#[test]
+fn stopped_by_iterations_and_continued_is_as_never_stopped() {
+    let folder = folder();
+    save(folder.path(), "in.rad", &room());
+    for solver in SOLVERS {
+        let solve = |input, output, n, memory, threads| {
+            let limits = ["--iterations", n, "--memory", memory, "--threads", threads];
+            solve(folder.path(), &[&[input, output, "32", "--solver", solver][..], &limits].concat());
+            load(folder.path(), output)
+        };
+        let whole = solve("in.rad", "whole.rad", "7", "1GiB", "2");
+        solve("in.rad", "part.rad", "1", "1GiB", "1");
+        solve("part.rad", "part.rad", "3", "0B", "5");
+        solve("part.rad", "other.rad", "4", "100KiB", "2");
+        let parts = solve("other.rad", "part.rad", "7", "1GiB", "3");
+        assert_same(&parts, &whole, solver);
+        assert_eq!(whole.provenance.residuals.len(), 7);
+    }
+}
+
+/// Runs of some milliseconds each, IN = OUT, on changing numbers of threads, until one is done.
+#[test]
+fn stopped_by_time_in_mid_iteration_and_continued_is_as_never_stopped() {
+    let folder = folder();
+    save(folder.path(), "in.rad", &room());
+    for (solver, iterations) in [("jacobi", "3"), ("gauss-seidel", "3"), ("shooting", "12")] {
+        for memory in ["1GiB", "0B"] {
+            let settings = ["--solver", solver, "--iterations", iterations, "--memory", memory];
+            solve(folder.path(), &[&["in.rad", "whole.rad", "64"][..], &settings].concat());
+            let whole = load(folder.path(), "whole.rad");
+
+            std::fs::copy(folder.path().join("in.rad"), folder.path().join("part.rad")).unwrap();
+            let mut limit_ms = 4.0;
+            let (mut runs, mut unfinished_runs) = (0, 0);
+            loop {
+                let before = std::fs::read(folder.path().join("part.rad")).unwrap();
+                let limit = format!("{limit_ms}ms");
+                let threads = ["1", "2", "5"][runs % 3];
+                let limits = ["--time-limit", &limit, "--threads", threads];
+                let arguments = [&["part.rad", "part.rad", "64"][..], &settings, &limits].concat();
+                let output = solve(folder.path(), &arguments);
+                runs += 1;
+                let solution = load(folder.path(), "part.rad");
+                unfinished_runs += usize::from(solution.unfinished.is_some());
+                if !stdout(&output).contains("stopped by --time-limit") {
+                    break;
+                }
+                // On a busy machine loading the file may take all of the time.
+                if std::fs::read(folder.path().join("part.rad")).unwrap() == before {
+                    limit_ms *= 1.5;
+                }
+                assert!(runs < 1000, "{limit_ms}");
+            }
+            println!("{solver}, {memory}: {runs} runs, {unfinished_runs} stopped in mid-iteration");
+            assert!(runs > 1, "{solver}, {memory}: never stopped");
+            assert!(unfinished_runs > 0 || solver == "shooting", "{solver}: not in mid-iteration");
+            let what = format!("{solver}, {memory}");
+            assert_same(&load(folder.path(), "part.rad"), &whole, &what);
+        }
+    }
+}
+
+/// Rounds of: start, wait for a moment that nothing has chosen, kill -9. OUT is IN and starts as a
+/// good file; it must be one after each round, and be on its way to the same bits.
+#[test]
+fn killed_at_any_moment_the_output_is_a_whole_file_and_goes_on() {
+    let folder = folder();
+    // 6,000 patches: files large enough that writing them takes a part of the time.
+    save(folder.path(), "in.rad", &common::colourful_room(0.012));
+    std::fs::copy(folder.path().join("in.rad"), folder.path().join("out.rad")).unwrap();
+    let mut delay_ms = 60;
+    let mut checkpoints = 0;
+    for round in 0..12 {
+        let before = std::fs::read(folder.path().join("out.rad")).unwrap();
+        let mut child = start(
+            folder.path(),
+            &["out.rad", "out.rad", "16", "--tolerance", "0", "--memory", "0KiB", "--checkpoint-every", "0.05s"],
+        );
+        wait_for_lock(folder.path(), "out.rad");
+        sleep(Duration::from_millis(delay_ms));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        // The killed program cannot have removed it; it must not be in the next round's way.
+        assert!(files(folder.path()).contains(&".out.rad.lock".to_owned()));
+        let after = std::fs::read(folder.path().join("out.rad")).unwrap();
+        scene::file::from_bytes(&after).unwrap_or_else(|error| panic!("round {round}: {error}"));
+        checkpoints += usize::from(after != before);
+        // From 60 to 240 ms, in no step with the checkpoints.
+        delay_ms = 60 + (delay_ms * 37 + 11) % 180;
+    }
+    assert!(checkpoints >= 3, "{checkpoints} of the rounds have written OUT");
+    let done = load(folder.path(), "out.rad").provenance.iterations;
+    let iterations = (done + 1).to_string();
+    let solve = |input, output| {
+        solve(folder.path(), &[input, output, "16", "--iterations", &iterations, "--tolerance", "0"]);
+        load(folder.path(), output)
+    };
+    let whole = solve("in.rad", "whole.rad");
+    assert_same(&solve("out.rad", "out.rad"), &whole, "killed");
+    // A run that ends takes its lock file with it, an earlier one's included.
+    assert!(!files(folder.path()).iter().any(|name| name.ends_with(".lock")));
+}
+
+#[test]
+fn interrupted_it_writes_the_output_exits_130_and_goes_on() {
+    for (solver, signal_name) in [("jacobi", "INT"), ("gauss-seidel", "TERM"), ("shooting", "INT")] {
+        let folder = folder();
+        save(folder.path(), "in.rad", &room());
+        let arguments = ["--solver", solver, "--report", "report.json"];
+        let child = start_endless(folder.path(), "in.rad", "out.rad", &arguments);
+        wait_for_lock(folder.path(), "out.rad");
+        // Somewhere among some iterations, which take tens of milliseconds.
+        sleep(Duration::from_millis(300));
+        assert!(!folder.path().join("out.rad").exists(), "no checkpoint is due");
+        signal(&child, signal_name);
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(130), "{output:?}");
+        assert!(stdout(&output).contains("interrupted, not converged"), "{output:?}");
+        let stopped = load(folder.path(), "out.rad");
+        let report = std::fs::read_to_string(folder.path().join("report.json")).unwrap();
+        assert!(report.contains("\"stopped_by\": \"interrupt\""), "{report}");
+
+        let iterations = (stopped.provenance.iterations + 2).to_string();
+        let solve = |input, output| {
+            let settings = ["--solver", solver, "--iterations", &iterations, "--tolerance", "0"];
+            solve(folder.path(), &[&[input, output, "32"][..], &settings].concat());
+            load(folder.path(), output)
+        };
+        let whole = solve("in.rad", "whole.rad");
+        assert_same(&solve("out.rad", "out.rad"), &whole, solver);
+    }
+}
+
+#[test]
+fn a_second_run_with_the_same_output_fails_and_the_first_goes_on() {
+    let folder = folder();
+    save(folder.path(), "in.rad", &room());
+    let mut first = start_endless(folder.path(), "in.rad", "out.rad", &[]);
+    wait_for_lock(folder.path(), "out.rad");
+    let start = Instant::now();
+    let second = compute(folder.path(), &["in.rad", "out.rad", "32"]);
+    assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
+    assert_eq!(second.status.code(), Some(1), "{second:?}");
+    let message = stderr(&second);
+    assert!(
+        message.starts_with("compute: error: out.rad: another program is writing this file"),
+        "{message}"
+    );
+    assert!(first.try_wait().unwrap().is_none());
+    // The second has not taken the first's lock away with it.
+    let third = compute(folder.path(), &["in.rad", "out.rad", "32"]);
+    assert_eq!(third.status.code(), Some(1), "{third:?}");
+    // Another output is free.
+    solve(folder.path(), &["in.rad", "other.rad", "32", "--iterations", "1"]);
+    signal(&first, "INT");
+    assert_eq!(first.wait().unwrap().code(), Some(130));
+    let iterations = load(folder.path(), "out.rad").provenance.iterations.to_string();
+    solve(folder.path(), &["in.rad", "whole.rad", "32", "--iterations", &iterations, "--tolerance", "0"]);
+    let (out, whole) = (load(folder.path(), "out.rad"), load(folder.path(), "whole.rad"));
+    assert_eq!(bits(&out.irradiance), bits(&whole.irradiance));
+}
+
+#[test]
+fn a_report_that_another_run_writes_is_not_written_twice() {
+    let folder = folder();
+    save(folder.path(), "in.rad", &room());
+    let first = start_endless(folder.path(), "in.rad", "a.rad", &["--report", "report.json"]);
+    wait_for_lock(folder.path(), "report.json");
+    let second = compute(folder.path(), &["in.rad", "b.rad", "32", "--report", "report.json"]);
+    assert_eq!(second.status.code(), Some(1), "{second:?}");
+    assert!(stderr(&second).contains("report.json: another program"), "{second:?}");
+    signal(&first, "INT");
+    first.wait_with_output().unwrap();
+}
+
+#[test]
+fn iterations_already_reached_leave_the_solution_as_it_is() {
+    let folder = folder();
+    save(folder.path(), "in.rad", &room());
+    for solver in SOLVERS {
+        solve(folder.path(), &["in.rad", "five.rad", "32", "--solver", solver, "--iterations", "5"]);
+        // Whatever the other settings are: they do nothing.
+        for (n, resolution, other) in [("5", "32", solver), ("3", "32", solver), ("5", "16", "jacobi")] {
+            let arguments = ["five.rad", "out.rad", resolution, "--iterations", n, "--solver", other];
+            let output = solve(folder.path(), &arguments);
+            let said = stderr(&output);
+            assert!(said.contains("nothing to do: five.rad has had 5 iterations"), "{said}");
+            assert!(stdout(&output).contains("stopped by --iterations"), "{output:?}");
+            let bytes = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+            assert!(bytes("out.rad") == bytes("five.rad"), "{arguments:?}");
+        }
+    }
+}
+
+#[test]
+fn a_converged_solution_stays_as_it_is() {
+    let folder = folder();
+    save(folder.path(), "in.rad", &common::furnace(0.5, 1.0, 0.1));
+    for solver in SOLVERS {
+        solve(folder.path(), &["in.rad", "a.rad", "32", "--solver", solver]);
+        let output = solve(folder.path(), &["a.rad", "b.rad", "32", "--solver", solver]);
+        assert!(stdout(&output).contains("converged to the tolerance"), "{output:?}");
+        assert_same(&load(folder.path(), "b.rad"), &load(folder.path(), "a.rad"), solver);
+        // A smaller tolerance goes on.
+        let more = ["--solver", solver, "--tolerance", "1e-6"];
+        solve(folder.path(), &[&["a.rad", "b.rad", "32"][..], &more].concat());
+        let iterations = |name| load(folder.path(), name).provenance.iterations;
+        assert!(iterations("b.rad") > iterations("a.rad"), "{solver}");
+    }
+}
+
+#[test]
+fn other_settings_keep_the_radiosities_as_the_start_and_say_so() {
+    let folder = folder();
+    save(folder.path(), "in.rad", &room());
+    solve(folder.path(), &["in.rad", "coarse.rad", "32"]);
+    let coarse = load(folder.path(), "coarse.rad");
+    let before = coarse.provenance.iterations;
+
+    let output = solve(folder.path(), &["coarse.rad", "fine.rad", "64"]);
+    let said = stderr(&output);
+    for part in ["coarse.rad was solved with other settings", "32 pixels", "its radiosities are the start"] {
+        assert!(said.contains(part), "{part} is missing in {said}");
+    }
+    let fine = load(folder.path(), "fine.rad");
+    solve(folder.path(), &["in.rad", "from_dark.rad", "64"]);
+    let from_dark = load(folder.path(), "from_dark.rad").provenance.iterations;
+    let more = fine.provenance.iterations - before;
+    assert!((1..from_dark).contains(&more), "{more} iterations, {from_dark} from the dark");
+    assert_eq!(fine.provenance.residuals.len() as u64, more);
+
+    // One iteration from there is one gather of the coarse radiosities, at 64 pixels.
+    let n = (before + 1).to_string();
+    let said = stderr(&solve(folder.path(), &["fine.rad", "again.rad", "64", "--tolerance", "1e-6"]));
+    assert_eq!(said, "", "the same settings are nothing to mention");
+    solve(folder.path(), &["coarse.rad", "one.rad", "64", "--iterations", &n]);
+    let one = load(folder.path(), "one.rad");
+    assert_ne!(bits(&one.irradiance), bits(&coarse.irradiance));
+    // The walls' light moves by what 32 pixels mistake, a few percent; from the dark it would be
+    // the lamps' alone, half of it or less.
+    for (a, b) in one.irradiance.iter().zip(&coarse.irradiance) {
+        assert!((*a - *b).abs().max_element() < 0.3 * b.max_element(), "{a} {b}");
+    }
+}
+
+/// A file whose settings were changed, stopped before they had done one iteration, is not done.
+#[test]
+fn regression_residuals_of_other_settings_end_nothing() {
+    let folder = folder();
+    save(folder.path(), "in.rad", &room());
+    solve(folder.path(), &["in.rad", "coarse.rad", "32"]);
+    let before = load(folder.path(), "coarse.rad").provenance.iterations;
+    for settings in [&["64"][..], &["32", "--solver", "shooting"], &["32", "--solver", "gauss-seidel"]] {
+        let run = |input, output, more: &[&str]| {
+            solve(folder.path(), &[&[input, output][..], settings, more].concat());
+            load(folder.path(), output)
+        };
+        let whole = run("coarse.rad", "whole.rad", &["--tolerance", "1e-3"]);
+        let stopped = run("coarse.rad", "out.rad", &["--time-limit", "0s"]);
+        assert_eq!(stopped.provenance.iterations, before);
+        let continued = run("out.rad", "out.rad", &["--tolerance", "1e-3"]);
+        assert!(continued.provenance.iterations > before, "{settings:?}");
+        assert_same(&continued, &whole, &format!("{settings:?}"));
+    }
+}
+
+#[test]
+fn an_output_without_checkpoints_appears_whole_at_the_end_and_alone() {
+    let folder = folder();
+    save(folder.path(), "in.rad", &room());
+    solve(folder.path(), &["in.rad", "out.rad", "32", "--checkpoint-every", "0s"]);
+    assert_eq!(files(folder.path()), ["in.rad", "out.rad"]);
+}
