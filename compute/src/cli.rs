@@ -29,8 +29,7 @@ struct Arguments {
     #[arg(value_name = "RESOLUTION", default_value = "128", value_parser = parse_resolution)]
     resolution: u32,
     /// Who draws: auto takes a real GPU where there is one, else the CPU; gpu takes software GPUs too
-    #[arg(long, default_value = "auto", value_parser = choice(&[
-        ("auto", BackendChoice::Auto), ("cpu", BackendChoice::Cpu), ("gpu", BackendChoice::Gpu)]))]
+    #[arg(long, default_value = "auto", value_parser = backend_parser())]
     backend: BackendChoice,
     /// How to solve; an iteration of shooting is one shot
     #[arg(long, default_value = "jacobi", value_parser = choice(&[
@@ -105,6 +104,15 @@ pub fn parse() -> Settings {
     }
 }
 
+/// A parser of `auto`, `cpu` and `gpu`.
+pub fn backend_parser() -> impl TypedValueParser<Value = BackendChoice> {
+    choice(&[
+        ("auto", BackendChoice::Auto),
+        ("cpu", BackendChoice::Cpu),
+        ("gpu", BackendChoice::Gpu),
+    ])
+}
+
 /// A parser of one of a few words, which help and errors list.
 fn choice<T: Copy + Send + Sync + 'static>(
     choices: &'static [(&'static str, T)],
@@ -118,7 +126,8 @@ fn choice<T: Copy + Send + Sync + 'static>(
     })
 }
 
-fn parse_resolution(text: &str) -> Result<u32, String> {
+/// Reads a hemicube's resolution and checks it.
+pub fn parse_resolution(text: &str) -> Result<u32, String> {
     match text.parse::<u32>() {
         Ok(value) if value.is_multiple_of(2) && (2..=MAX_RESOLUTION).contains(&value) => Ok(value),
         Ok(value) => Err(format!(

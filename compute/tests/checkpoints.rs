@@ -21,7 +21,14 @@ fn room() -> Scene {
 }
 
 /// What a run goes on from: everything but how long it took.
-fn state(solution: &Solution) -> (Vec<[u32; 3]>, Option<Vec<[u32; 3]>>, Option<Vec<[u32; 3]>>, u64) {
+fn state(
+    solution: &Solution,
+) -> (
+    Vec<[u32; 3]>,
+    Option<Vec<[u32; 3]>>,
+    Option<Vec<[u32; 3]>>,
+    u64,
+) {
     (
         bits(&solution.irradiance),
         solution.unfinished.as_ref().map(|u| bits(&u.irradiance)),
@@ -72,7 +79,10 @@ fn stopped_by_iterations_and_continued_is_as_never_stopped() {
     for solver in SOLVERS {
         let solve = |input, output, n, memory, threads| {
             let limits = ["--iterations", n, "--memory", memory, "--threads", threads];
-            solve(folder.path(), &[&[input, output, "32", "--solver", solver][..], &limits].concat());
+            solve(
+                folder.path(),
+                &[&[input, output, "32", "--solver", solver][..], &limits].concat(),
+            );
             load(folder.path(), output)
         };
         let whole = solve("in.rad", "whole.rad", "7", "1GiB", "2");
@@ -92,8 +102,18 @@ fn stopped_by_time_in_mid_iteration_and_continued_is_as_never_stopped() {
     save(folder.path(), "in.rad", &room());
     for (solver, iterations) in [("jacobi", "3"), ("gauss-seidel", "3"), ("shooting", "12")] {
         for memory in ["1GiB", "0B"] {
-            let settings = ["--solver", solver, "--iterations", iterations, "--memory", memory];
-            solve(folder.path(), &[&["in.rad", "whole.rad", "64"][..], &settings].concat());
+            let settings = [
+                "--solver",
+                solver,
+                "--iterations",
+                iterations,
+                "--memory",
+                memory,
+            ];
+            solve(
+                folder.path(),
+                &[&["in.rad", "whole.rad", "64"][..], &settings].concat(),
+            );
             let whole = load(folder.path(), "whole.rad");
 
             std::fs::copy(folder.path().join("in.rad"), folder.path().join("part.rad")).unwrap();
@@ -120,7 +140,10 @@ fn stopped_by_time_in_mid_iteration_and_continued_is_as_never_stopped() {
             }
             println!("{solver}, {memory}: {runs} runs, {unfinished_runs} stopped in mid-iteration");
             assert!(runs > 1, "{solver}, {memory}: never stopped");
-            assert!(unfinished_runs > 0 || solver == "shooting", "{solver}: not in mid-iteration");
+            assert!(
+                unfinished_runs > 0 || solver == "shooting",
+                "{solver}: not in mid-iteration"
+            );
             let what = format!("{solver}, {memory}");
             assert_same(&load(folder.path(), "part.rad"), &whole, &what);
         }
@@ -141,7 +164,17 @@ fn killed_at_any_moment_the_output_is_a_whole_file_and_goes_on() {
         let before = std::fs::read(folder.path().join("out.rad")).unwrap();
         let mut child = start(
             folder.path(),
-            &["out.rad", "out.rad", "16", "--tolerance", "0", "--memory", "0KiB", "--checkpoint-every", "0.05s"],
+            &[
+                "out.rad",
+                "out.rad",
+                "16",
+                "--tolerance",
+                "0",
+                "--memory",
+                "0KiB",
+                "--checkpoint-every",
+                "0.05s",
+            ],
         );
         wait_for_lock(folder.path(), "out.rad");
         sleep(Duration::from_millis(delay_ms));
@@ -155,22 +188,44 @@ fn killed_at_any_moment_the_output_is_a_whole_file_and_goes_on() {
         // From 60 to 240 ms, in no step with the checkpoints.
         delay_ms = 60 + (delay_ms * 37 + 11) % 180;
     }
-    assert!(checkpoints >= 3, "{checkpoints} of the rounds have written OUT");
+    assert!(
+        checkpoints >= 3,
+        "{checkpoints} of the rounds have written OUT"
+    );
     let done = load(folder.path(), "out.rad").provenance.iterations;
     let iterations = (done + 1).to_string();
     let solve = |input, output| {
-        solve(folder.path(), &[input, output, "16", "--iterations", &iterations, "--tolerance", "0"]);
+        solve(
+            folder.path(),
+            &[
+                input,
+                output,
+                "16",
+                "--iterations",
+                &iterations,
+                "--tolerance",
+                "0",
+            ],
+        );
         load(folder.path(), output)
     };
     let whole = solve("in.rad", "whole.rad");
     assert_same(&solve("out.rad", "out.rad"), &whole, "killed");
     // A run that ends takes its lock file with it, an earlier one's included.
-    assert!(!files(folder.path()).iter().any(|name| name.ends_with(".lock")));
+    assert!(
+        !files(folder.path())
+            .iter()
+            .any(|name| name.ends_with(".lock"))
+    );
 }
 
 #[test]
 fn interrupted_it_writes_the_output_exits_130_and_goes_on() {
-    for (solver, signal_name) in [("jacobi", "INT"), ("gauss-seidel", "TERM"), ("shooting", "INT")] {
+    for (solver, signal_name) in [
+        ("jacobi", "INT"),
+        ("gauss-seidel", "TERM"),
+        ("shooting", "INT"),
+    ] {
         let folder = folder();
         save(folder.path(), "in.rad", &room());
         let arguments = ["--solver", solver, "--report", "report.json"];
@@ -178,19 +233,35 @@ fn interrupted_it_writes_the_output_exits_130_and_goes_on() {
         wait_for_lock(folder.path(), "out.rad");
         // Somewhere among some iterations, which take tens of milliseconds.
         sleep(Duration::from_millis(300));
-        assert!(!folder.path().join("out.rad").exists(), "no checkpoint is due");
+        assert!(
+            !folder.path().join("out.rad").exists(),
+            "no checkpoint is due"
+        );
         signal(&child, signal_name);
         let output = child.wait_with_output().unwrap();
         assert_eq!(output.status.code(), Some(130), "{output:?}");
-        assert!(stdout(&output).contains("interrupted, not converged"), "{output:?}");
+        assert!(
+            stdout(&output).contains("interrupted, not converged"),
+            "{output:?}"
+        );
         let stopped = load(folder.path(), "out.rad");
         let report = std::fs::read_to_string(folder.path().join("report.json")).unwrap();
         assert!(report.contains("\"stopped_by\": \"interrupt\""), "{report}");
 
         let iterations = (stopped.provenance.iterations + 2).to_string();
         let solve = |input, output| {
-            let settings = ["--solver", solver, "--iterations", &iterations, "--tolerance", "0"];
-            solve(folder.path(), &[&[input, output, "32"][..], &settings].concat());
+            let settings = [
+                "--solver",
+                solver,
+                "--iterations",
+                &iterations,
+                "--tolerance",
+                "0",
+            ];
+            solve(
+                folder.path(),
+                &[&[input, output, "32"][..], &settings].concat(),
+            );
             load(folder.path(), output)
         };
         let whole = solve("in.rad", "whole.rad");
@@ -206,7 +277,11 @@ fn a_second_run_with_the_same_output_fails_and_the_first_goes_on() {
     wait_for_lock(folder.path(), "out.rad");
     let start = Instant::now();
     let second = compute(folder.path(), &["in.rad", "out.rad", "32"]);
-    assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
+    assert!(
+        start.elapsed() < Duration::from_secs(5),
+        "{:?}",
+        start.elapsed()
+    );
     assert_eq!(second.status.code(), Some(1), "{second:?}");
     let message = stderr(&second);
     assert!(
@@ -218,12 +293,32 @@ fn a_second_run_with_the_same_output_fails_and_the_first_goes_on() {
     let third = compute(folder.path(), &["in.rad", "out.rad", "32"]);
     assert_eq!(third.status.code(), Some(1), "{third:?}");
     // Another output is free.
-    solve(folder.path(), &["in.rad", "other.rad", "32", "--iterations", "1"]);
+    solve(
+        folder.path(),
+        &["in.rad", "other.rad", "32", "--iterations", "1"],
+    );
     signal(&first, "INT");
     assert_eq!(first.wait().unwrap().code(), Some(130));
-    let iterations = load(folder.path(), "out.rad").provenance.iterations.to_string();
-    solve(folder.path(), &["in.rad", "whole.rad", "32", "--iterations", &iterations, "--tolerance", "0"]);
-    let (out, whole) = (load(folder.path(), "out.rad"), load(folder.path(), "whole.rad"));
+    let iterations = load(folder.path(), "out.rad")
+        .provenance
+        .iterations
+        .to_string();
+    solve(
+        folder.path(),
+        &[
+            "in.rad",
+            "whole.rad",
+            "32",
+            "--iterations",
+            &iterations,
+            "--tolerance",
+            "0",
+        ],
+    );
+    let (out, whole) = (
+        load(folder.path(), "out.rad"),
+        load(folder.path(), "whole.rad"),
+    );
     assert_eq!(bits(&out.irradiance), bits(&whole.irradiance));
 }
 
@@ -231,11 +326,22 @@ fn a_second_run_with_the_same_output_fails_and_the_first_goes_on() {
 fn a_report_that_another_run_writes_is_not_written_twice() {
     let folder = folder();
     save(folder.path(), "in.rad", &room());
-    let first = start_endless(folder.path(), "in.rad", "a.rad", &["--report", "report.json"]);
+    let first = start_endless(
+        folder.path(),
+        "in.rad",
+        "a.rad",
+        &["--report", "report.json"],
+    );
     wait_for_lock(folder.path(), "report.json");
-    let second = compute(folder.path(), &["in.rad", "b.rad", "32", "--report", "report.json"]);
+    let second = compute(
+        folder.path(),
+        &["in.rad", "b.rad", "32", "--report", "report.json"],
+    );
     assert_eq!(second.status.code(), Some(1), "{second:?}");
-    assert!(stderr(&second).contains("report.json: another program"), "{second:?}");
+    assert!(
+        stderr(&second).contains("report.json: another program"),
+        "{second:?}"
+    );
     signal(&first, "INT");
     first.wait_with_output().unwrap();
 }
@@ -245,14 +351,43 @@ fn iterations_already_reached_leave_the_solution_as_it_is() {
     let folder = folder();
     save(folder.path(), "in.rad", &room());
     for solver in SOLVERS {
-        solve(folder.path(), &["in.rad", "five.rad", "32", "--solver", solver, "--iterations", "5"]);
+        solve(
+            folder.path(),
+            &[
+                "in.rad",
+                "five.rad",
+                "32",
+                "--solver",
+                solver,
+                "--iterations",
+                "5",
+            ],
+        );
         // Whatever the other settings are: they do nothing.
-        for (n, resolution, other) in [("5", "32", solver), ("3", "32", solver), ("5", "16", "jacobi")] {
-            let arguments = ["five.rad", "out.rad", resolution, "--iterations", n, "--solver", other];
+        for (n, resolution, other) in [
+            ("5", "32", solver),
+            ("3", "32", solver),
+            ("5", "16", "jacobi"),
+        ] {
+            let arguments = [
+                "five.rad",
+                "out.rad",
+                resolution,
+                "--iterations",
+                n,
+                "--solver",
+                other,
+            ];
             let output = solve(folder.path(), &arguments);
             let said = stderr(&output);
-            assert!(said.contains("nothing to do: five.rad has had 5 iterations"), "{said}");
-            assert!(stdout(&output).contains("stopped by --iterations"), "{output:?}");
+            assert!(
+                said.contains("nothing to do: five.rad has had 5 iterations"),
+                "{said}"
+            );
+            assert!(
+                stdout(&output).contains("stopped by --iterations"),
+                "{output:?}"
+            );
             let bytes = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
             assert!(bytes("out.rad") == bytes("five.rad"), "{arguments:?}");
         }
@@ -264,13 +399,26 @@ fn a_converged_solution_stays_as_it_is() {
     let folder = folder();
     save(folder.path(), "in.rad", &common::furnace(0.5, 1.0, 0.1));
     for solver in SOLVERS {
-        solve(folder.path(), &["in.rad", "a.rad", "32", "--solver", solver]);
+        solve(
+            folder.path(),
+            &["in.rad", "a.rad", "32", "--solver", solver],
+        );
         let output = solve(folder.path(), &["a.rad", "b.rad", "32", "--solver", solver]);
-        assert!(stdout(&output).contains("converged to the tolerance"), "{output:?}");
-        assert_same(&load(folder.path(), "b.rad"), &load(folder.path(), "a.rad"), solver);
+        assert!(
+            stdout(&output).contains("converged to the tolerance"),
+            "{output:?}"
+        );
+        assert_same(
+            &load(folder.path(), "b.rad"),
+            &load(folder.path(), "a.rad"),
+            solver,
+        );
         // A smaller tolerance goes on.
         let more = ["--solver", solver, "--tolerance", "1e-6"];
-        solve(folder.path(), &[&["a.rad", "b.rad", "32"][..], &more].concat());
+        solve(
+            folder.path(),
+            &[&["a.rad", "b.rad", "32"][..], &more].concat(),
+        );
         let iterations = |name| load(folder.path(), name).provenance.iterations;
         assert!(iterations("b.rad") > iterations("a.rad"), "{solver}");
     }
@@ -286,27 +434,43 @@ fn other_settings_keep_the_radiosities_as_the_start_and_say_so() {
 
     let output = solve(folder.path(), &["coarse.rad", "fine.rad", "64"]);
     let said = stderr(&output);
-    for part in ["coarse.rad was solved with other settings", "32 pixels", "its radiosities are the start"] {
+    for part in [
+        "coarse.rad was solved with other settings",
+        "32 pixels",
+        "its radiosities are the start",
+    ] {
         assert!(said.contains(part), "{part} is missing in {said}");
     }
     let fine = load(folder.path(), "fine.rad");
     solve(folder.path(), &["in.rad", "from_dark.rad", "64"]);
     let from_dark = load(folder.path(), "from_dark.rad").provenance.iterations;
     let more = fine.provenance.iterations - before;
-    assert!((1..from_dark).contains(&more), "{more} iterations, {from_dark} from the dark");
+    assert!(
+        (1..from_dark).contains(&more),
+        "{more} iterations, {from_dark} from the dark"
+    );
     assert_eq!(fine.provenance.residuals.len() as u64, more);
 
     // One iteration from there is one gather of the coarse radiosities, at 64 pixels.
     let n = (before + 1).to_string();
-    let said = stderr(&solve(folder.path(), &["fine.rad", "again.rad", "64", "--tolerance", "1e-6"]));
+    let said = stderr(&solve(
+        folder.path(),
+        &["fine.rad", "again.rad", "64", "--tolerance", "1e-6"],
+    ));
     assert_eq!(said, "", "the same settings are nothing to mention");
-    solve(folder.path(), &["coarse.rad", "one.rad", "64", "--iterations", &n]);
+    solve(
+        folder.path(),
+        &["coarse.rad", "one.rad", "64", "--iterations", &n],
+    );
     let one = load(folder.path(), "one.rad");
     assert_ne!(bits(&one.irradiance), bits(&coarse.irradiance));
     // The walls' light moves by what 32 pixels mistake, a few percent; from the dark it would be
     // the lamps' alone, half of it or less.
     for (a, b) in one.irradiance.iter().zip(&coarse.irradiance) {
-        assert!((*a - *b).abs().max_element() < 0.3 * b.max_element(), "{a} {b}");
+        assert!(
+            (*a - *b).abs().max_element() < 0.3 * b.max_element(),
+            "{a} {b}"
+        );
     }
 }
 
@@ -317,9 +481,16 @@ fn regression_residuals_of_other_settings_end_nothing() {
     save(folder.path(), "in.rad", &room());
     solve(folder.path(), &["in.rad", "coarse.rad", "32"]);
     let before = load(folder.path(), "coarse.rad").provenance.iterations;
-    for settings in [&["64"][..], &["32", "--solver", "shooting"], &["32", "--solver", "gauss-seidel"]] {
+    for settings in [
+        &["64"][..],
+        &["32", "--solver", "shooting"],
+        &["32", "--solver", "gauss-seidel"],
+    ] {
         let run = |input, output, more: &[&str]| {
-            solve(folder.path(), &[&[input, output][..], settings, more].concat());
+            solve(
+                folder.path(),
+                &[&[input, output][..], settings, more].concat(),
+            );
             load(folder.path(), output)
         };
         let whole = run("coarse.rad", "whole.rad", &["--tolerance", "1e-3"]);
@@ -335,6 +506,9 @@ fn regression_residuals_of_other_settings_end_nothing() {
 fn an_output_without_checkpoints_appears_whole_at_the_end_and_alone() {
     let folder = folder();
     save(folder.path(), "in.rad", &room());
-    solve(folder.path(), &["in.rad", "out.rad", "32", "--checkpoint-every", "0s"]);
+    solve(
+        folder.path(),
+        &["in.rad", "out.rad", "32", "--checkpoint-every", "0s"],
+    );
     assert_eq!(files(folder.path()), ["in.rad", "out.rad"]);
 }

@@ -56,10 +56,32 @@ fn help_names_every_argument_and_is_no_error() {
     let output = solve(&std::env::temp_dir(), &["--help"]);
     let help = stdout(&output);
     for word in [
-        "<IN>", "<OUT>", "[RESOLUTION]", "--backend", "auto", "cpu", "gpu", "--solver", "jacobi",
-        "gauss-seidel", "shooting", "--maps", "exact", "thesis", "--points", "centroid", "vertices",
-        "--iterations", "--tolerance", "--time-limit", "--checkpoint-every", "--threads", "--memory",
-        "--report", "--form-factors", "130",
+        "<IN>",
+        "<OUT>",
+        "[RESOLUTION]",
+        "--backend",
+        "auto",
+        "cpu",
+        "gpu",
+        "--solver",
+        "jacobi",
+        "gauss-seidel",
+        "shooting",
+        "--maps",
+        "exact",
+        "thesis",
+        "--points",
+        "centroid",
+        "vertices",
+        "--iterations",
+        "--tolerance",
+        "--time-limit",
+        "--checkpoint-every",
+        "--threads",
+        "--memory",
+        "--report",
+        "--form-factors",
+        "130",
     ] {
         assert!(help.contains(word), "{word} is missing in {help}");
     }
@@ -76,9 +98,15 @@ fn wrong_values_are_usage_errors_that_name_value_and_limit_or_choices() {
         (&["abc"], &["abc", "whole number"]),
         (&["-2"], &["-2"]),
         (&["--backend", "cuda"], &["cuda", "auto, cpu, gpu"]),
-        (&["--solver", "magic"], &["magic", "jacobi, gauss-seidel, shooting"]),
+        (
+            &["--solver", "magic"],
+            &["magic", "jacobi, gauss-seidel, shooting"],
+        ),
         (&["--maps", "wrong"], &["wrong", "exact, thesis"]),
-        (&["--points", "middle"], &["middle", "centroid, vertices", "1024"]),
+        (
+            &["--points", "middle"],
+            &["middle", "centroid, vertices", "1024"],
+        ),
         (&["--points", "3"], &["3", "power of two"]),
         (&["--points", "0"], &["0", "power of two"]),
         (&["--points", "2048"], &["2048", "1024"]),
@@ -110,7 +138,10 @@ fn wrong_values_are_usage_errors_that_name_value_and_limit_or_choices() {
 #[test]
 fn bad_input_is_one_error_that_names_the_file() {
     let folder = folder_with_room();
-    solve(folder.path(), &["in.rad", "solved.rad", "16", "--iterations", "2"]);
+    solve(
+        folder.path(),
+        &["in.rad", "solved.rad", "16", "--iterations", "2"],
+    );
     let scene = std::fs::read(folder.path().join("in.rad")).unwrap();
     let solved = std::fs::read(folder.path().join("solved.rad")).unwrap();
     let mut flipped = solved.clone();
@@ -134,10 +165,16 @@ fn bad_input_is_one_error_that_names_the_file() {
     ] {
         std::fs::write(folder.path().join("bad.rad"), contents).unwrap();
         let message = failure(folder.path(), &["bad.rad", "out.rad"]);
-        assert!(message.contains("bad.rad: ") && message.contains(words), "{message}");
+        assert!(
+            message.contains("bad.rad: ") && message.contains(words),
+            "{message}"
+        );
         // The input is not lost where it is the output too.
         failure(folder.path(), &["bad.rad", "bad.rad"]);
-        assert_eq!(std::fs::read(folder.path().join("bad.rad")).unwrap(), contents);
+        assert_eq!(
+            std::fs::read(folder.path().join("bad.rad")).unwrap(),
+            contents
+        );
     }
     let message = failure(folder.path(), &["missing.rad", "out.rad"]);
     assert!(message.contains("missing.rad: cannot read: "), "{message}");
@@ -152,10 +189,16 @@ fn an_output_that_is_a_folder_or_in_none_is_named() {
     std::fs::create_dir(folder.path().join("folder")).unwrap();
     for output in ["nowhere/out.rad", "folder", ".", "in.rad/out.rad"] {
         let message = failure(folder.path(), &["in.rad", output, "16"]);
-        assert!(message.contains(&format!("{output}: cannot write: ")), "{message}");
+        assert!(
+            message.contains(&format!("{output}: cannot write: ")),
+            "{message}"
+        );
     }
     for option in ["--report", "--form-factors"] {
-        let message = failure(folder.path(), &["in.rad", "out.rad", "16", option, "nowhere/x"]);
+        let message = failure(
+            folder.path(),
+            &["in.rad", "out.rad", "16", option, "nowhere/x"],
+        );
         assert!(message.contains("nowhere/x: cannot write: "), "{message}");
     }
 }
@@ -181,7 +224,10 @@ impl SmallDisk {
     }
 
     fn make_read_only(&self) {
-        let remounted = Command::new("mount").args(["-o", "remount,ro"]).arg(&self.0).status();
+        let remounted = Command::new("mount")
+            .args(["-o", "remount,ro"])
+            .arg(&self.0)
+            .status();
         assert!(remounted.unwrap().success());
     }
 }
@@ -195,12 +241,21 @@ impl Drop for SmallDisk {
 #[test]
 fn an_output_on_a_read_only_disk_is_named_and_stays() {
     let folder = folder_with_room();
-    let Some(disk) = SmallDisk::new(folder.path(), "1m") else { return };
+    let Some(disk) = SmallDisk::new(folder.path(), "1m") else {
+        return;
+    };
     std::fs::copy(folder.path().join("in.rad"), disk.0.join("out.rad")).unwrap();
     disk.make_read_only();
-    for (input, output) in [("in.rad", "disk/out.rad"), ("in.rad", "disk/new.rad"), ("disk/out.rad", "disk/out.rad")] {
+    for (input, output) in [
+        ("in.rad", "disk/out.rad"),
+        ("in.rad", "disk/new.rad"),
+        ("disk/out.rad", "disk/out.rad"),
+    ] {
         let message = failure(folder.path(), &[input, output, "16"]);
-        assert!(message.contains(&format!("{output}: cannot write: ")), "{message}");
+        assert!(
+            message.contains(&format!("{output}: cannot write: ")),
+            "{message}"
+        );
     }
     assert_eq!(files(&disk.0), ["out.rad"]);
     // It is good enough to read from.
@@ -220,30 +275,51 @@ fn an_output_in_a_read_only_folder_is_named() {
         return;
     }
     let message = failure(folder.path(), &["in.rad", "closed/out.rad", "16"]);
-    assert!(message.contains("closed/out.rad: cannot write: "), "{message}");
+    assert!(
+        message.contains("closed/out.rad: cannot write: "),
+        "{message}"
+    );
 }
 
 #[test]
 fn on_a_full_disk_the_output_stays_as_it_was() {
     let folder = folder_with_room();
-    let Some(disk) = SmallDisk::new(folder.path(), "64k") else { return };
+    let Some(disk) = SmallDisk::new(folder.path(), "64k") else {
+        return;
+    };
     std::fs::copy(folder.path().join("in.rad"), disk.0.join("out.rad")).unwrap();
     let before = std::fs::read(disk.0.join("out.rad")).unwrap();
     let mut filler = std::fs::File::create(disk.0.join("filler")).unwrap();
     while std::io::Write::write(&mut filler, &[1; 4096]).is_ok() {}
     for input in ["in.rad", "disk/out.rad"] {
-        let output = compute(folder.path(), &[input, "disk/out.rad", "16", "--checkpoint-every", "0s"]);
+        let output = compute(
+            folder.path(),
+            &[input, "disk/out.rad", "16", "--checkpoint-every", "0s"],
+        );
         assert_eq!(output.status.code(), Some(1), "{output:?}");
         let message = stderr(&output);
         let last = message.lines().last().unwrap();
-        assert!(last.starts_with("compute: error: disk/out.rad: cannot "), "{message}");
+        assert!(
+            last.starts_with("compute: error: disk/out.rad: cannot "),
+            "{message}"
+        );
         assert_eq!(std::fs::read(disk.0.join("out.rad")).unwrap(), before);
-        assert_eq!(files(&disk.0), ["filler", "out.rad"], "something is left behind");
+        assert_eq!(
+            files(&disk.0),
+            ["filler", "out.rad"],
+            "something is left behind"
+        );
     }
     // The result is not lost for a report that finds no room.
-    let output = compute(folder.path(), &["in.rad", "here.rad", "16", "--report", "disk/report.json"]);
+    let output = compute(
+        folder.path(),
+        &["in.rad", "here.rad", "16", "--report", "disk/report.json"],
+    );
     assert_eq!(output.status.code(), Some(1), "{output:?}");
-    assert!(stderr(&output).contains("disk/report.json: cannot "), "{output:?}");
+    assert!(
+        stderr(&output).contains("disk/report.json: cannot "),
+        "{output:?}"
+    );
     load(folder.path(), "here.rad");
 }
 
@@ -251,20 +327,24 @@ fn on_a_full_disk_the_output_stays_as_it_was() {
 fn without_an_adapter_gpu_is_an_error_and_auto_is_the_cpu() {
     let folder = folder_with_room();
     let run = |backend: &str| {
-        program(folder.path(), &["in.rad", "out.rad", "16", "--backend", backend])
-            // The Vulkan loader's own variables: no driver at all.
-            .env("VK_ICD_FILENAMES", "/nonexistent")
-            .env("VK_DRIVER_FILES", "/nonexistent")
-            .env_remove("VK_ADD_DRIVER_FILES")
-            .output()
-            .unwrap()
+        program(
+            folder.path(),
+            &["in.rad", "out.rad", "16", "--backend", backend],
+        )
+        // The Vulkan loader's own variables: no driver at all.
+        .env("VK_ICD_FILENAMES", "/nonexistent")
+        .env("VK_DRIVER_FILES", "/nonexistent")
+        .env_remove("VK_ADD_DRIVER_FILES")
+        .output()
+        .unwrap()
     };
     if cfg!(target_os = "linux") {
         let output = run("gpu");
         assert_eq!(output.status.code(), Some(1), "{output:?}");
         let message = stderr(&output);
         assert!(
-            message.starts_with("compute: error: no GPU adapter was found") && message.contains("--backend cpu"),
+            message.starts_with("compute: error: no GPU adapter was found")
+                && message.contains("--backend cpu"),
             "{message}"
         );
         assert_eq!(message.lines().count(), 1, "{message}");
@@ -274,7 +354,10 @@ fn without_an_adapter_gpu_is_an_error_and_auto_is_the_cpu() {
     }
     let output = run("auto");
     assert_eq!(output.status.code(), Some(0), "{output:?}");
-    assert!(cfg!(not(target_os = "linux")) || stdout(&output).contains("(cpu, "), "{output:?}");
+    assert!(
+        cfg!(not(target_os = "linux")) || stdout(&output).contains("(cpu, "),
+        "{output:?}"
+    );
 }
 
 /// Standard output is for the summary alone; progress is for standard error, without a bar's control
@@ -288,11 +371,25 @@ fn standard_output_is_the_summary_and_nothing_is_drawn_without_a_terminal() {
     assert!(!summary.contains(['\u{1b}', '\r']), "{summary}");
     let labels: Vec<&str> = summary.lines().map(|line| line[..15].trim()).collect();
     let expected = [
-        "output", "scene", "back end", "time", "hemicubes", "emitted power", "power balance",
-        "row sums", "result",
+        "output",
+        "scene",
+        "back end",
+        "time",
+        "hemicubes",
+        "emitted power",
+        "power balance",
+        "row sums",
+        "result",
     ];
     assert_eq!(labels, expected, "{summary}");
-    assert!(summary.lines().last().unwrap().contains("converged to the tolerance"), "{summary}");
+    assert!(
+        summary
+            .lines()
+            .last()
+            .unwrap()
+            .contains("converged to the tolerance"),
+        "{summary}"
+    );
 }
 
 fn report(folder: &Path, arguments: &[&str]) -> Value {
@@ -301,14 +398,23 @@ fn report(folder: &Path, arguments: &[&str]) -> Value {
 }
 
 fn numbers(value: &Value) -> Vec<f64> {
-    value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
+    value
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|v| v.as_f64().unwrap())
+        .collect()
 }
 
 /// The number of a path such as `/seconds/total`.
 #[track_caller]
 fn number(report: &Value, path: &str) -> f64 {
-    let value = report.pointer(path).unwrap_or_else(|| panic!("{path} is missing"));
-    value.as_f64().unwrap_or_else(|| panic!("{path} is {value}"))
+    let value = report
+        .pointer(path)
+        .unwrap_or_else(|| panic!("{path} is missing"));
+    value
+        .as_f64()
+        .unwrap_or_else(|| panic!("{path} is {value}"))
 }
 
 #[test]
@@ -316,8 +422,25 @@ fn report_has_every_field_of_the_contract() {
     let folder = folder_with_room();
     let report = report(
         folder.path(),
-        &["in.rad", "out.rad", "32", "--solver", "gauss-seidel", "--points", "2", "--iterations", "3",
-          "--threads", "2", "--memory", "64MiB", "--time-limit", "5min", "--tolerance", "0"],
+        &[
+            "in.rad",
+            "out.rad",
+            "32",
+            "--solver",
+            "gauss-seidel",
+            "--points",
+            "2",
+            "--iterations",
+            "3",
+            "--threads",
+            "2",
+            "--memory",
+            "64MiB",
+            "--time-limit",
+            "5min",
+            "--tolerance",
+            "0",
+        ],
     );
     let scene = common::colourful_room(0.5);
     let patches = f64::from(scene.patch_count());
@@ -337,7 +460,10 @@ fn report_has_every_field_of_the_contract() {
         ("/iterations_before", 0.0),
     ] {
         let found = number(&report, path);
-        assert!(found.to_bits() == expected.to_bits(), "{path} is {found}, not {expected}");
+        assert!(
+            found.to_bits() == expected.to_bits(),
+            "{path} is {found}, not {expected}"
+        );
     }
     for (path, expected) in [
         ("/input", "in.rad"),
@@ -355,15 +481,22 @@ fn report_has_every_field_of_the_contract() {
     }
     assert!(number(&report, "/rows/kept_bytes") > 8.0 * patches);
     // Less than a room of a hundred patches takes no program.
-    assert!((1e6..4e9).contains(&number(&report, "/peak_memory_bytes")) || cfg!(not(target_os = "linux")));
+    assert!(
+        (1e6..4e9).contains(&number(&report, "/peak_memory_bytes"))
+            || cfg!(not(target_os = "linux"))
+    );
     assert_eq!(numbers(&report["residuals"]).len(), 3);
     let solution = load(folder.path(), "out.rad");
     assert_eq!(numbers(&report["residuals"]), solution.provenance.residuals);
 
-    let stages = ["load", "open", "draw", "solve", "write"].map(|s| number(&report, &format!("/seconds/{s}")));
+    let stages = ["load", "open", "draw", "solve", "write"]
+        .map(|s| number(&report, &format!("/seconds/{s}")));
     assert!(stages.iter().all(|&s| s >= 0.0), "{stages:?}");
     let total = number(&report, "/seconds/total");
-    assert!(total > 0.0 && stages.iter().sum::<f64>() <= total * 1.001, "{stages:?} of {total}");
+    assert!(
+        total > 0.0 && stages.iter().sum::<f64>() <= total * 1.001,
+        "{stages:?} of {total}"
+    );
 }
 
 /// In a closed room all rows sum to 1 and nothing is lost; what is emitted is absorbed, but for what
@@ -372,7 +505,10 @@ fn report_has_every_field_of_the_contract() {
 fn reported_power_is_the_closed_rooms() {
     let folder = folder_with_room();
     let scene = common::colourful_room(0.5);
-    let report = report(folder.path(), &["in.rad", "out.rad", "64", "--tolerance", "1e-7"]);
+    let report = report(
+        folder.path(),
+        &["in.rad", "out.rad", "64", "--tolerance", "1e-7"],
+    );
     for path in ["/closure/min", "/closure/mean", "/closure/max"] {
         // The mean is a sum of areas over a sum of areas, in f64.
         assert!((number(&report, path) - 1.0).abs() < 1e-12, "{path}");
@@ -382,15 +518,28 @@ fn reported_power_is_the_closed_rooms() {
     let emitted = energy("emitted_w");
     let (areas, emission) = (scene.patch_areas(), scene.patch_emissions());
     for channel in 0..3 {
-        let sum: f64 = areas.iter().zip(&emission).map(|(a, e)| a * f64::from(e[channel])).sum();
+        let sum: f64 = areas
+            .iter()
+            .zip(&emission)
+            .map(|(a, e)| a * f64::from(e[channel]))
+            .sum();
         // f64 sums in another order.
-        assert!((emitted[channel] - sum).abs() < 1e-12 * sum, "{emitted:?}, {sum}");
+        assert!(
+            (emitted[channel] - sum).abs() < 1e-12 * sum,
+            "{emitted:?}, {sum}"
+        );
     }
     assert_eq!(energy("lost_w"), [0.0; 3]);
     assert_eq!(energy("back_faces_w"), [0.0; 3]);
-    let (total, absorbed) = (emitted.iter().sum::<f64>(), energy("absorbed_w").iter().sum::<f64>());
+    let (total, absorbed) = (
+        emitted.iter().sum::<f64>(),
+        energy("absorbed_w").iter().sum::<f64>(),
+    );
     let imbalance = number(&report, "/energy/imbalance");
-    assert!(((total - absorbed) / total - imbalance).abs() < 1e-12, "{imbalance}");
+    assert!(
+        ((total - absorbed) / total - imbalance).abs() < 1e-12,
+        "{imbalance}"
+    );
     // 64 pixels see a patch of a tenth of a metre, 2 metres away, with 3 pixels across: single
     // form factors are off by tens of percent, sums over hundreds of them by under two.
     assert!(imbalance.abs() < 0.02, "{imbalance}");
@@ -403,7 +552,10 @@ fn reported_power_is_the_closed_rooms() {
             areas[i] * absorbed.element_sum()
         })
         .sum();
-    assert!((by_hand / absorbed - 1.0).abs() < 1e-9, "{by_hand} {absorbed}");
+    assert!(
+        (by_hand / absorbed - 1.0).abs() < 1e-9,
+        "{by_hand} {absorbed}"
+    );
     let residuals = numbers(&report["residuals"]);
     assert!(*residuals.last().unwrap() <= 1e-7);
     assert_eq!(residuals.len() as f64, number(&report, "/iterations"));
@@ -418,15 +570,25 @@ fn reported_loss_is_what_leaves_by_the_opening() {
     surfaces.truncate(2);
     surfaces.extend(common::block(glam::Vec3::ZERO, glam::Vec3::ONE, false, 1).split_off(4));
     let materials = vec![common::material(0.0, 3.0), common::material(0.0, 0.0)];
-    save(folder.path(), "in.rad", &common::scene(materials, surfaces, 0.002));
+    save(
+        folder.path(),
+        "in.rad",
+        &common::scene(materials, surfaces, 0.002),
+    );
     let report = report(folder.path(), &["in.rad", "out.rad", "128"]);
     // Howell C-11: opposite squares of a cube see 0.199824895698 of each other. Errors as in
     // `opposite_walls_of_a_cube_see_a_fifth_of_each_other`: at most one in a thousand.
     let lost = numbers(&report["energy"]["lost_w"])[0];
-    assert!((lost / 3.0 / 0.199_824_895_698 - 1.0).abs() < 1e-3, "{lost}");
+    assert!(
+        (lost / 3.0 / 0.199_824_895_698 - 1.0).abs() < 1e-3,
+        "{lost}"
+    );
     let absorbed = numbers(&report["energy"]["absorbed_w"])[0];
     let imbalance = number(&report, "/energy/imbalance");
-    assert!((absorbed + lost + 3.0 * imbalance - 3.0).abs() < 1e-6, "{absorbed} {lost} {imbalance}");
+    assert!(
+        (absorbed + lost + 3.0 * imbalance - 3.0).abs() < 1e-6,
+        "{absorbed} {lost} {imbalance}"
+    );
     assert!(number(&report, "/closure/min") < number(&report, "/closure/mean"));
     assert!(number(&report, "/closure/max") < 1.0);
 }
@@ -436,8 +598,17 @@ fn reported_back_faces_are_those_in_view() {
     let folder = folder();
     // A block inside out hangs in the room.
     let mut surfaces = common::block(glam::Vec3::ZERO, glam::Vec3::splat(3.0), false, 0);
-    surfaces.extend(common::block(glam::Vec3::splat(1.0), glam::Vec3::splat(2.0), false, 0));
-    save(folder.path(), "in.rad", &common::scene(vec![common::material(0.5, 1.0)], surfaces, 0.5));
+    surfaces.extend(common::block(
+        glam::Vec3::splat(1.0),
+        glam::Vec3::splat(2.0),
+        false,
+        0,
+    ));
+    save(
+        folder.path(),
+        "in.rad",
+        &common::scene(vec![common::material(0.5, 1.0)], surfaces, 0.5),
+    );
     let report = report(folder.path(), &["in.rad", "out.rad", "32"]);
     let share = number(&report, "/back_face_share");
     // The block's area is a tenth of all; from the walls it fills 6 / 54 of the view on average, and
@@ -452,8 +623,16 @@ fn what_a_run_has_not_drawn_is_null_in_its_report() {
     let folder = folder_with_room();
     solve(folder.path(), &["in.rad", "out.rad", "16"]);
     let report = report(folder.path(), &["out.rad", "out.rad", "16"]);
-    assert_eq!(number(&report, "/hemicubes_drawn").to_bits(), 0.0_f64.to_bits());
-    for path in ["/closure", "/back_face_share", "/energy/lost_w", "/energy/imbalance"] {
+    assert_eq!(
+        number(&report, "/hemicubes_drawn").to_bits(),
+        0.0_f64.to_bits()
+    );
+    for path in [
+        "/closure",
+        "/back_face_share",
+        "/energy/lost_w",
+        "/energy/imbalance",
+    ] {
         assert_eq!(report.pointer(path), Some(&Value::Null), "{path}");
     }
     assert!(numbers(&report["energy"]["absorbed_w"])[0] > 0.0);
@@ -464,8 +643,22 @@ fn form_factors_are_written_in_patch_order_with_rows_that_sum_to_one() {
     let folder = folder_with_room();
     let patches = common::colourful_room(0.5).patch_count() as usize;
     for (points, memory) in [("centroid", "1GiB"), ("vertices", "0B")] {
-        solve(folder.path(), &["in.rad", "out.rad", "32", "--points", points, "--memory", memory,
-            "--iterations", "1", "--form-factors", "f.csv"]);
+        solve(
+            folder.path(),
+            &[
+                "in.rad",
+                "out.rad",
+                "32",
+                "--points",
+                points,
+                "--memory",
+                memory,
+                "--iterations",
+                "1",
+                "--form-factors",
+                "f.csv",
+            ],
+        );
         let text = std::fs::read_to_string(folder.path().join("f.csv")).unwrap();
         let mut lines = text.lines();
         assert_eq!(lines.next(), Some("from,to,form_factor"));
@@ -475,7 +668,9 @@ fn form_factors_are_written_in_patch_order_with_rows_that_sum_to_one() {
         let emission = common::colourful_room(0.5).patch_emissions();
         for line in lines {
             let fields: Vec<&str> = line.split(',').collect();
-            let &[from, to, form_factor] = fields.as_slice() else { panic!("{line}") };
+            let &[from, to, form_factor] = fields.as_slice() else {
+                panic!("{line}")
+            };
             let (from, to): (usize, usize) = (from.parse().unwrap(), to.parse().unwrap());
             let form_factor: f64 = form_factor.parse().unwrap();
             assert!(form_factor > 0.0 && form_factor <= 1.0, "{line}");
@@ -489,9 +684,16 @@ fn form_factors_are_written_in_patch_order_with_rows_that_sum_to_one() {
             assert!((sum - 1.0).abs() < 1e-13, "{points}, patch {patch}: {sum}");
         }
         // They are those that the solver has used: its first iteration, rounded to f32.
-        for (found, expected) in load(folder.path(), "out.rad").irradiance.iter().zip(&gathered) {
+        for (found, expected) in load(folder.path(), "out.rad")
+            .irradiance
+            .iter()
+            .zip(&gathered)
+        {
             let difference = (found.as_dvec3() - *expected).abs().max_element();
-            assert!(difference <= 1e-7 * expected.max_element(), "{found} {expected}");
+            assert!(
+                difference <= 1e-7 * expected.max_element(),
+                "{found} {expected}"
+            );
         }
     }
 }

@@ -26,7 +26,7 @@ impl<'a> HemicubeDrawer<'a> {
         Self {
             scene,
             windows: hemicube::windows(resolution),
-            plane_tolerance: super::raster::plane_tolerance(scene),
+            plane_tolerance: super::plane_tolerance(scene),
             projection: Projection::default(),
             raster: Raster::default(),
         }

@@ -1,8 +1,11 @@
 //! The cpu back end: hemicubes drawn on all cores, in plain Rust. The readable twin of [`crate::gpu`].
 
 pub mod item_buffer;
+mod look_up;
+mod projection;
 mod raster;
 pub mod rows;
 
-pub use raster::{Cull, Projection, Raster, Sample, plane_tolerance};
+pub use projection::{Cull, Projection, plane_tolerance};
+pub use raster::{Raster, Sample};
 pub use rows::CpuRows;

@@ -1,131 +1,26 @@
-//! Drawing surfaces into a window of pixels, with a depth buffer, and looking patches up.
+//! Drawing surfaces into a window of pixels, with a depth buffer.
 //!
-//! # Theory
-//! Let q0, q1, q2 be a triangle's corners relative to the eye. The ray along d meets the
-//! triangle's plane where its barycentric coordinates are in the proportion of
-//! e_k(d) = (q_{k+1} x q_{k+2}) . d, k = 0, 1, 2 (homogeneous rasterisation: Olano and Greer,
-//! "Triangle scan conversion using 2D homogeneous coordinates", Graphics Hardware 1997). It hits
-//! the triangle where all three have the sign of the determinant det(q0, q1, q2), at the depth w
-//! with 1/w = (e_0 + e_1 + e_2) / det. All of these are linear in d, hence in the pixel: there is no
-//! division in a pixel, no clipping and no near plane, and a triangle that passes beside or
-//! behind the eye needs no care. The patch follows from the proportion of the e_k alone,
-//! see [`scene::bisection`].
-//!
-//! # Practice
-//! The vectors are set up once an eye, for all windows, in f64; rows of pixels are f32. Two triangles
-//! that share an edge compute its crossing of a row from the same numbers with opposite signs, so
-//! no pixel between them is missed. Reversed depth: 1/w is kept, 0 is infinitely far.
+//! Each triangle covers a span of a row, between the crossings of its edges ([`super::projection`]);
+//! no pixel is tested for being inside. Within a span the inverse depth is linear. Reversed depth:
+//! 1/w is kept, 0 is infinitely far. Crossings are f64, pixels f32.
 
-use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*, u32x8};
+// Functions that a vectorised caller needs must be inlined into it: compiled on their own they would
+// be for the baseline instruction set.
+#![allow(clippy::inline_always)]
+
+use fearless_simd::{Level, Simd, dispatch, prelude::*};
 use fearless_simd_macros::simd;
 use glam::DVec3;
-use scene::{Scene, SurfaceId};
+use scene::SurfaceId;
 
-use crate::hemicube::{Frame, Window};
-
-/// Back faces are drawn this much too deep, so that a pixel on the silhouette of a solid, where a
-/// front and a back face meet at equal depth, sees the front: well above the rounding of an f32
-/// depth (2^-24) and of its steps along a row, well below any wall's thickness.
-const BACK_FACE_RETREAT: f64 = 1.0 - 1.0 / (1 << 19) as f64;
+use super::look_up::{LookUp, look_up_row};
+use super::projection::{OverPixels, Projected, Projection, over_pixels};
+use crate::hemicube::Window;
 
 /// Front faces are drawn this much too large, in pixels, so that a ray through an edge or a corner
 /// meets a front whatever the rounding, where surfaces only touch (T-junctions) too: above the f64
 /// rounding of a crossing, 2^-53 times some thousands of pixels, and far below a pixel.
 const FRONT_FACE_OUTSET: f64 = 1e-9;
-
-/// What is done about the backs of surfaces, which are one-sided.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cull {
-    /// They occlude, and are seen as [`Sample::BackFace`].
-    Nothing,
-    /// They are not there.
-    BackFaces,
-}
-
-/// A surface as seen from one eye, in the eye's frame.
-#[derive(Clone, Copy, Debug)]
-struct Projected {
-    /// e_k(d) = edges[k] . d; at least 0 inside, k-th barycentric coordinate up to a factor.
-    edges: [DVec3; 3],
-    /// 1/w = inverse_depth . d, 1/m.
-    inverse_depth: DVec3,
-    corners: [DVec3; 3],
-    surface: SurfaceId,
-    /// Its bisection tree's first patch and depth.
-    first_patch: u32,
-    depth: u32,
-    is_back_face: bool,
-}
-
-/// All surfaces that an eye can see, set up for drawing into any window of its frame.
-#[derive(Clone, Debug, Default)]
-pub struct Projection {
-    surfaces: Vec<Projected>,
-}
-
-/// Coordinates are f32: a point's distance from a plane through others like it is uncertain by some
-/// units in the last place (2^-24 relative) of the largest coordinate; four of them are taken.
-pub fn plane_tolerance(scene: &Scene) -> f64 {
-    let [low, high] = scene.bounds();
-    f64::from(low.abs().max(high.abs()).max_element()) * 4.0 / f64::from(1 << 24)
-}
-
-impl Projection {
-    /// Sets up all surfaces but `own`, which the eye lies on. `tolerance` is
-    /// [`plane_tolerance`]: surfaces at or below the horizon (z = 0 in the frame, if `horizon`) or
-    /// edge-on within it are left out.
-    pub fn set(
-        &mut self,
-        scene: &Scene,
-        frame: &Frame,
-        own: Option<SurfaceId>,
-        horizon: bool,
-        cull: Cull,
-        tolerance: f64,
-    ) {
-        self.surfaces.clear();
-        for (index, surface) in scene.surfaces().iter().enumerate() {
-            let id = SurfaceId(index as u32);
-            if own == Some(id) {
-                continue;
-            }
-            let [q0, q1, q2] = surface.corners.map(|p| frame.to_local(p.as_dvec3()));
-            if horizon && q0.z.max(q1.z).max(q2.z) <= tolerance {
-                continue;
-            }
-            let mut edges = [q1.cross(q2), q2.cross(q0), q0.cross(q1)];
-            // Twice the area times the normal; its product with any corner is the determinant.
-            let normal = (q1 - q0).cross(q2 - q0);
-            let mut determinant = normal.dot(q0);
-            if determinant.abs() <= tolerance * normal.length() {
-                continue;
-            }
-            // The eye is in front of a counter-clockwise triangle when the determinant is negative.
-            let is_back_face = determinant > 0.0;
-            if is_back_face && cull == Cull::BackFaces {
-                continue;
-            }
-            if determinant < 0.0 {
-                edges = edges.map(|edge| -edge);
-                determinant = -determinant;
-            }
-            let tree = scene.mesh().tree(id);
-            self.surfaces.push(Projected {
-                edges,
-                inverse_depth: if is_back_face {
-                    BACK_FACE_RETREAT * normal
-                } else {
-                    -normal
-                } / determinant,
-                corners: [q0, q1, q2],
-                surface: id,
-                first_patch: tree.first_patch.0,
-                depth: tree.depth,
-                is_back_face,
-            });
-        }
-    }
-}
 
 /// What a pixel sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -146,7 +41,7 @@ pub enum Sample {
 }
 
 /// No surface, in the buffer of surfaces.
-const NONE: u32 = u32::MAX;
+pub(super) const NONE: u32 = u32::MAX;
 
 /// Rows are padded so that the widest vector (16 lanes) can run over their end.
 const PADDING: usize = 16;
@@ -253,9 +148,6 @@ impl Raster {
     }
 }
 
-/// A value that is linear over a window's pixels: its coefficients of i, of j and of 1.
-type OverPixels = [f64; 3];
-
 /// Where a triangle's edges cross a row of pixels: between `low` and `high` lies the inside.
 #[derive(Clone, Copy)]
 struct Crossings {
@@ -303,16 +195,6 @@ impl Crossings {
         // A cast saturates, so that a negative `high` ends the row before its first pixel.
         (low.ceil() as usize, (high + 1.0) as usize)
     }
-}
-
-/// The value v . d, linear over the pixels' centres, as the coefficients of i, of j and of 1.
-#[inline(always)]
-fn over_pixels(v: DVec3, window: &Window) -> OverPixels {
-    let (x, y) = (v.dot(window.right), v.dot(window.up));
-    let c = v.dot(window.forward)
-        + x * (window.left + 0.5 * window.pixel)
-        + y * (window.bottom + 0.5 * window.pixel);
-    [x * window.pixel, y * window.pixel, c]
 }
 
 /// The rows a triangle can touch, or `None` where it is outside the window.
@@ -363,8 +245,8 @@ fn draw<S: Simd>(
         let Some((first_row, end_row)) = row_range(&seen.corners, window) else {
             continue;
         };
-        for k in 0..3 {
-            edges[index][k] = over_pixels(seen.edges[k], window);
+        for (over, edge) in edges[index].iter_mut().zip(seen.edges) {
+            *over = over_pixels(edge, window);
         }
         let outset = if seen.is_back_face {
             0.0
@@ -423,81 +305,5 @@ fn fill<S: Simd>(
         nearer.select(depth, before).store_slice(old_depth);
         let before = S::u32s::from_slice(simd, old_surface);
         nearer.select(index_v, before).store_slice(old_surface);
-    }
-}
-
-/// What looking patches up needs to know, the same for all rows of a window.
-struct LookUp<'a> {
-    surfaces: &'a [Projected],
-    edges: &'a [[OverPixels; 3]],
-    nothing: u32,
-    back_face: u32,
-}
-
-/// Patch IDs of row j.
-#[simd]
-fn look_up_row<S: Simd>(simd: S, look_up: &LookUp, j: usize, surface: &[u32], ids: &mut [u32]) {
-    let mut start = 0;
-    while start < surface.len() {
-        let index = surface[start];
-        let mut end = start + 1;
-        while end < surface.len() && surface[end] == index {
-            end += 1;
-        }
-        if index == NONE {
-            ids[start..end].fill(look_up.nothing);
-        } else {
-            let seen = &look_up.surfaces[index as usize];
-            if seen.is_back_face {
-                ids[start..end].fill(look_up.back_face);
-            } else if seen.depth == 0 {
-                ids[start..end].fill(seen.first_patch);
-            } else {
-                let mut values = [(0.0, 0.0); 3];
-                for (value, [a, b, c]) in values.iter_mut().zip(look_up.edges[index as usize]) {
-                    *value = ((a * start as f64 + (b * j as f64 + c)) as f32, a as f32);
-                }
-                let ids = &mut ids[start..start + (end - start).next_multiple_of(LOOK_UP_LANES)];
-                look_up_run(simd, values, seen.depth, seen.first_patch, ids);
-            }
-        }
-        start = end;
-    }
-}
-
-/// Pixels looked up at a time. Runs of one surface are often short, so that wider vectors, where
-/// there are any, would mostly look up pixels that nobody asked for.
-const LOOK_UP_LANES: usize = 8;
-
-/// Patch IDs of a run of pixels of one surface: the walk down of [`scene::bisection::locate`], all
-/// lanes together. `values` are e_k at the first pixel and its step from pixel to pixel.
-#[simd]
-fn look_up_run<S: Simd>(
-    simd: S,
-    values: [(f32, f32); 3],
-    depth: u32,
-    first_patch: u32,
-    ids: &mut [u32],
-) {
-    let iota = f32x8::from_fn(simd, |lane| lane as f32);
-    let one = u32x8::splat(simd, 1);
-    let zero = u32x8::splat(simd, 0);
-    let [(a_base, a_step), (b_base, b_step), (c_base, c_step)] = values;
-    for (k, ids) in ids.chunks_exact_mut(LOOK_UP_LANES).enumerate() {
-        let offset = iota + (k * LOOK_UP_LANES) as f32;
-        let mut a = offset * a_step + a_base;
-        let mut b = offset * b_step + b_base;
-        let mut c = offset * c_step + c_base;
-        let mut code = zero;
-        for _ in 0..depth {
-            let second = a.simd_lt(b);
-            let difference = (a - b).abs();
-            let least = a.min(b);
-            a = second.select(c, difference);
-            b = second.select(difference, c);
-            c = least + least;
-            code = (code + code) | second.select(one, zero);
-        }
-        (code + first_patch).store_slice(ids);
     }
 }

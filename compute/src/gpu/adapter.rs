@@ -24,7 +24,7 @@ pub enum AdapterChoice {
 
 /// A submission that has not ended by then is taken for a lost device: far above what any driver's
 /// watchdog allows, for the sake of software adapters on busy machines.
-const TIMEOUT: Duration = Duration::from_secs(600);
+const TIMEOUT: Duration = Duration::from_mins(10);
 
 /// Preference among adapters, the best first; `None`: not accepted.
 fn rank(device_type: wgpu::DeviceType, choice: AdapterChoice) -> Option<u32> {
@@ -121,7 +121,7 @@ impl Gpu {
 
     /// An error if anything has gone wrong so far.
     pub fn check(&self) -> Result<(), BackendError> {
-        match self.failure().clone() {
+        match self.failure() {
             None => Ok(()),
             Some(what) => Err(BackendError::DeviceLost { what }),
         }
@@ -185,7 +185,10 @@ impl Gpu {
     /// Gives the device up. The first reason ever noted is the one told: it is the cause of the
     /// others.
     pub fn lost(&self, what: &str) -> BackendError {
-        let what = self.failure().get_or_insert_with(|| one_line(what)).clone();
+        let what = self
+            .locked_failure()
+            .get_or_insert_with(|| one_line(what))
+            .clone();
         BackendError::DeviceLost { what }
     }
 
@@ -269,7 +272,12 @@ impl Gpu {
         })
     }
 
-    fn failure(&self) -> MutexGuard<'_, Option<String>> {
+    /// What has gone wrong, if anything has.
+    pub fn failure(&self) -> Option<String> {
+        self.locked_failure().clone()
+    }
+
+    fn locked_failure(&self) -> MutexGuard<'_, Option<String>> {
         self.failure.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

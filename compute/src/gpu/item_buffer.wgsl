@@ -95,7 +95,7 @@ fn project(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance
     let y = q.y * (2.0 / face.height) - q.z * (2.0 * face.bottom / face.height + 1.0);
     // Reversed depth, near / w, with the far plane at infinity. Where a front and a back meet at the
     // silhouette of a closed body, their depths are the same but for rounding: the front is to win.
-    let near = settings.near * select(1.0, BACK_FACE_NEARNESS, is_back_face);
+    let near = settings.near * select(1.0, BACK_FACE_RETREAT, is_back_face);
     seen.position = vec4f(q.x, -y, near, q.z);
     return seen;
 }

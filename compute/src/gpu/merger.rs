@@ -1,12 +1,11 @@
-//! Sums delta form factors by patch on the device, and reads the sums that are not zero.
+//! Sums delta form factors by patch on the device, and reads the sums that are not zero. Twin of the
+//! merging in `cpu/rows.rs`.
 
 use std::ops::Range;
 
 use super::adapter::Gpu;
-use super::item_buffer::AtlasLayout;
-use super::structs::{
-    self, MergeSettings, PIXELS_PER_THREAD, RowSummary, Tile, WORKGROUP_SIZE,
-};
+use super::atlas::AtlasLayout;
+use super::structs::{self, MergeSettings, PIXELS_PER_THREAD, RowSummary, Tile, WORKGROUP_SIZE};
 use crate::delta_form_factors::DeltaFormFactors;
 use crate::hemicube;
 use crate::rows::{BackendError, Entry, RowBatch, Unseen};

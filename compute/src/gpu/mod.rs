@@ -22,8 +22,17 @@
 //! a pixel's ray passes an edge (of a surface or of a patch) within rounding, or within the 1/256 of
 //! a pixel to which GPUs snap corners, the two may see different patches. What lies below the
 //! horizon is left out by the host, in f64, with the cpu's tolerance.
+//!
+//! Snapping could also let a closed body show the backs of its far sides along its silhouette, so
+//! backs are drawn with some reluctance ([`structs::BACK_FACE_RETREAT`],
+//! [`structs::BACK_FACE_MARGIN`]); a few pixels in some thousand hemicubes remain.
+//!
+//! How corners are snapped depends on where in the atlas they are. So that a row has the same bits
+//! whatever it is drawn together with, a hemicube's place in the atlas follows from its patch alone.
+//! Another adapter may give other bits.
 
 pub mod adapter;
+pub mod atlas;
 pub mod item_buffer;
 pub mod merger;
 pub mod rows;

@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 use scene::{PatchId, Scene};
 
 use super::adapter::{AdapterChoice, Gpu};
-use super::item_buffer::{AtlasDrawer, TILES_PER_HEMICUBE};
+use super::atlas::TILES_PER_HEMICUBE;
+use super::item_buffer::AtlasDrawer;
 use super::merger::Merger;
 use super::structs::Tile;
 use crate::delta_form_factors::DeltaFormFactors;
@@ -52,8 +53,9 @@ impl<'a> GpuRows<'a> {
         )?;
         let pace = Pace::new(drawer.layout().tiles());
         // What goes wrong up to here, such as memory running out, speaks against the adapter.
-        gpu.check()
-            .map_err(|error| gpu.unsuitable(error.to_string()))?;
+        if let Some(what) = gpu.failure() {
+            return Err(gpu.unsuitable(format!("it cannot be set up ({what})")));
+        }
         Ok(Self {
             scene,
             points: settings.points,

@@ -17,7 +17,7 @@ pub const ALPHA_PATCH: u8 = 255;
 /// a silhouette. Depths are interpolated in f32 from corners that may be some thousand times as far
 /// from the picture's middle as its border is: 2^-12 covers an error of 2^-24 grown that much. A back in
 /// front of something by less than that share of its distance is not reported.
-pub const BACK_FACE_NEARNESS: f32 = 1.0 - 1.0 / 4096.0;
+pub const BACK_FACE_RETREAT: f32 = 1.0 - 1.0 / 4096.0;
 
 /// How far outside a back, in barycentric coordinates, a pixel's centre may lie by rounding alone; else
 /// pixels would be lost between two triangles of one sheet. Tuned: 0 loses some, and 2^-15 shows the
@@ -153,7 +153,7 @@ fn with_constants(wgsl: &str) -> String {
         .iter()
         .map(|(name, value)| format!("const {name}: u32 = {value}u;\n"))
         .chain([
-            format!("const BACK_FACE_NEARNESS: f32 = {BACK_FACE_NEARNESS:?}f;\n"),
+            format!("const BACK_FACE_RETREAT: f32 = {BACK_FACE_RETREAT:?}f;\n"),
             format!("const BACK_FACE_MARGIN: f32 = {BACK_FACE_MARGIN:?}f;\n"),
             wgsl.into(),
         ])
@@ -280,7 +280,11 @@ mod tests {
         let files: BTreeSet<String> = std::fs::read_dir(folder)
             .unwrap()
             .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .filter(|name| name.ends_with(".wgsl"))
+            .filter(|name| {
+                std::path::Path::new(name)
+                    .extension()
+                    .is_some_and(|extension| extension == "wgsl")
+            })
             .collect();
         assert!(!files.is_empty());
         assert_eq!(files, shaders().into_iter().map(|(name, _)| name).collect());

@@ -1,0 +1,35 @@
+//! Laws of the gpu back end, and its agreement with its twin on the cpu.
+//!
+//! Without an adapter every test that needs one prints that it is skipped; with `REQUIRE_GPU=1` it
+//! fails.
+
+mod model;
+mod rows;
+mod twins;
+
+use compute::gpu::{AdapterChoice, GpuRows};
+use compute::rows::BackendError;
+use compute::settings::{FormFactorSettings, Maps, Points};
+use scene::Scene;
+
+fn settings(resolution: u32) -> FormFactorSettings {
+    FormFactorSettings {
+        resolution,
+        maps: Maps::Exact,
+        points: Points::CENTROID,
+    }
+}
+
+/// A back end, or `None` where there is no adapter and none is required.
+fn open(scene: &Scene, settings: FormFactorSettings) -> Option<GpuRows<'_>> {
+    match GpuRows::new(scene, settings, AdapterChoice::Any) {
+        Ok(rows) => Some(rows),
+        Err(BackendError::NoAdapter)
+            if std::env::var_os("REQUIRE_GPU").is_none_or(|v| v != "1") =>
+        {
+            eprintln!("skipped: there is no GPU adapter");
+            None
+        }
+        Err(error) => panic!("{error}"),
+    }
+}

@@ -1,0 +1,185 @@
+//! Rows are the sums of what is seen, whatever they are drawn together with.
+
+use compute::cpu::item_buffer::{BACK_FACE, NOTHING};
+use compute::delta_form_factors::DeltaFormFactors;
+use compute::hemicube;
+use compute::rows::{Entry, RowBatch, RowSource, Unseen};
+use compute::settings::{FormFactorSettings, Maps, Points};
+use scene::{PatchId, Scene};
+
+use crate::model::{room, room_with_boxes_at, ruin};
+use crate::{open, settings};
+
+/// Share of a hemisphere in which a closed body may show its inside at 100 pixels: two pixels of at
+/// most 4 / (pi R^2). It takes a front seen at a grazing angle, whose depth changes by much within the
+/// 1/256 of a pixel to which its corners are snapped, or an edge through a pixel's very centre. Measured:
+/// one pixel, in a row of a thousand or fewer.
+const MAX_SNAPPED_BACK_FACE_SHARE: f64 = 2.0 * 4.0 / (std::f64::consts::PI * 100.0 * 100.0);
+
+/// The row that item buffers and delta form factors make, summed here.
+fn row_on_host(
+    scene: &Scene,
+    settings: FormFactorSettings,
+    item_buffers: &[Vec<u32>],
+) -> (Vec<Entry>, Unseen) {
+    let factors = DeltaFormFactors::new(
+        settings.maps,
+        settings.resolution,
+        settings.units_per_hemicube(),
+    );
+    let table: Vec<u32> = (0..5)
+        .flat_map(|face| factors.face(face))
+        .copied()
+        .collect();
+    let mut units = vec![0; scene.patch_count() as usize];
+    let mut unseen = Unseen::default();
+    for ids in item_buffers {
+        for (&id, factor) in ids.iter().zip(&table) {
+            match id {
+                NOTHING => unseen.open += factor,
+                BACK_FACE => unseen.back_face += factor,
+                patch => units[patch as usize] += factor,
+            }
+        }
+    }
+    let entries = (0..)
+        .zip(units)
+        .filter(|&(_, units)| units != 0)
+        .map(|(patch, units)| Entry { patch, units })
+        .collect();
+    (entries, unseen)
+}
+
+/// Draws rows and sums them again from the gpu's own item buffers.
+fn assert_rows_are_their_item_buffers_sums(
+    scene: &Scene,
+    settings: FormFactorSettings,
+    patches: std::ops::Range<u32>,
+) {
+    let Some(mut gpu) = open(scene, settings) else {
+        return;
+    };
+    let rows = gpu.draw_rows(patches.clone()).unwrap();
+    assert_eq!(rows.patches(), patches);
+    for (k, patch) in patches.enumerate() {
+        let item_buffers: Vec<_> = hemicube::frames(scene, PatchId(patch), settings.points)
+            .iter()
+            .map(|frame| gpu.item_buffer(PatchId(patch), frame).unwrap())
+            .collect();
+        let (entries, unseen) = row_on_host(scene, settings, &item_buffers);
+        let different = rows.row(k).iter().zip(&entries).find(|(a, b)| a != b);
+        assert_eq!(different, None, "patch {patch}");
+        assert_eq!(rows.row(k).len(), entries.len(), "patch {patch}");
+        assert_eq!(rows.unseen(k), unseen, "patch {patch}");
+    }
+}
+
+#[test]
+fn rows_are_the_sums_of_their_item_buffers_to_the_bit() {
+    let scene = ruin().scene(0.05);
+    for (resolution, points, maps) in [
+        (2, Points::CENTROID, Maps::Exact),
+        (100, Points::CENTROID, Maps::Exact),
+        (128, Points::Vertices, Maps::Exact),
+        (50, Points::Bisected { bisections: 4 }, Maps::Thesis),
+    ] {
+        let settings = FormFactorSettings {
+            resolution,
+            points,
+            maps,
+        };
+        let first = scene.patch_count() / 2;
+        assert_rows_are_their_item_buffers_sums(&scene, settings, first..first + 6);
+    }
+}
+
+/// A tile of it is more than the budget of an atlas, and its picture is taller than any texture.
+#[test]
+fn a_hemicube_larger_than_a_texture_is_drawn_in_parts() {
+    let scene = ruin().scene(0.5);
+    assert_rows_are_their_item_buffers_sums(&scene, settings(3000), 3..4);
+}
+
+/// Rows over several blocks and workgroups, with gaps between their entries.
+#[test]
+fn rows_of_half_a_million_patches_are_complete() {
+    let scene = ruin().scene(1.2e-4);
+    assert!(
+        (300_000..1_000_000).contains(&scene.patch_count()),
+        "{}",
+        scene.patch_count()
+    );
+    let first = scene.patch_count() - 3;
+    assert_rows_are_their_item_buffers_sums(&scene, settings(100), first..first + 3);
+}
+
+#[test]
+fn closed_room_sees_itself_completely() {
+    let mut empty = room();
+    empty.triangles.truncate(12);
+    for (model, back_face_share) in [
+        (empty, 0.0),
+        (room_with_boxes_at(0.01), MAX_SNAPPED_BACK_FACE_SHARE),
+    ] {
+        let scene = model.scene(0.1);
+        for points in [Points::CENTROID, Points::Vertices] {
+            let settings = FormFactorSettings {
+                points,
+                ..settings(100)
+            };
+            let Some(mut gpu) = open(&scene, settings) else {
+                return;
+            };
+            let rows = gpu.draw_rows(0..scene.patch_count()).unwrap();
+            let one = settings.units_per_one();
+            for k in 0..rows.patches().len() {
+                let unseen = rows.unseen(k);
+                assert_eq!(unseen.open, 0, "{points}, patch {k}");
+                let share = f64::from(unseen.back_face) / f64::from(one);
+                assert!(share <= back_face_share, "{points}, patch {k}: {share}");
+                let sum: u32 = rows.row(k).iter().map(|entry| entry.units).sum();
+                assert_eq!(sum, one - unseen.back_face, "{points}, patch {k}");
+                assert!(
+                    rows.row(k).is_sorted_by(|a, b| a.patch < b.patch),
+                    "{points}, patch {k}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn rows_depend_on_no_batch_size_and_on_no_run() {
+    let scene = ruin().scene(0.05);
+    let Some(mut gpu) = open(&scene, settings(100)) else {
+        return;
+    };
+    let all = gpu.draw_rows(0..40).unwrap();
+    for size in [1, 7, 40] {
+        let mut again = RowBatch::new(0);
+        for start in (0..40).step_by(size) {
+            let end = (start + size as u32).min(40);
+            again.append(&gpu.draw_rows(start..end).unwrap());
+        }
+        assert!(again == all, "in batches of {size}");
+    }
+    let Some(mut other) = open(&scene, settings(100)) else {
+        return;
+    };
+    assert!(other.draw_rows(0..40).unwrap() == all, "in another run");
+    assert!(other.preferred_batch() >= 1);
+    assert!(
+        other.describe().starts_with("gpu, "),
+        "{}",
+        other.describe()
+    );
+}
+
+#[test]
+fn no_rows_are_asked_for_and_none_come() {
+    let scene = room().scene(f64::INFINITY);
+    let Some(mut gpu) = open(&scene, settings(2)) else {
+        return;
+    };
+    assert_eq!(gpu.draw_rows(5..5).unwrap(), RowBatch::new(5));
+}
