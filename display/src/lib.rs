@@ -1,1 +1,41 @@
-//! To be written.
+//! Pictures and exports of scenes and solutions, made on the CPU: no graphics card, no screen.
+//!
+//! A picture is an item buffer seen from a [`Camera`] ([`compute::cpu`]), many samples a pixel,
+//! each looked up in the patches' values ([`shade`]) and mapped to display light ([`tone`]). What
+//! the program does is [`run`]; [`render`] and [`patch_colors`] serve other programs.
+//!
+//! | module | concept |
+//! |---|---|
+//! | [`settings`] | what is asked for, checked |
+//! | [`camera`], [`default_camera`], [`kind`], [`probe`], [`up`] | where the picture is taken from |
+//! | [`shade`], [`smooth`] | the light that a pixel sees |
+//! | [`range`], [`scale`], [`tone`] | from W/m^2 to display light |
+//! | [`legend`], [`ticks`], [`text`] | the false colours' legend |
+//! | [`picture`], [`output`] | the finished picture, and files |
+
+pub mod camera;
+pub mod cli;
+pub mod default_camera;
+pub mod kind;
+pub mod legend;
+pub mod output;
+pub mod picture;
+pub mod probe;
+pub mod range;
+mod run;
+pub mod scale;
+pub mod settings;
+pub mod shade;
+pub mod smooth;
+pub mod text;
+pub mod ticks;
+pub mod tone;
+pub mod up;
+
+pub use camera::Camera;
+pub use picture::{Picture, patch_colors, render};
+pub use run::run;
+pub use settings::{
+    Axis, ExportFormat, ImageFormat, Mode, Quantity, Range, RenderSettings, Settings,
+    SettingsError, Size,
+};

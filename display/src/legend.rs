@@ -1,0 +1,204 @@
+//! The false colours' legend: a panel at the picture's right with the colours, ticks and the unit.
+//!
+//! The panel takes its place from the view, which stays whole beside it. Its letters grow with the
+//! picture's height, and are never smaller than can be read; a picture too small to spare the room
+//! has no legend.
+
+use scene::Rgb;
+
+use crate::settings::{Quantity, Size};
+use crate::text::{Canvas, Typeface};
+use crate::ticks::ticks;
+use crate::tone::{Tone, decode};
+
+/// Rows of the picture for each pixel of letter size.
+const ROWS_PER_LETTER_SIZE: f32 = 40.0;
+/// Smallest and largest letters, pixels.
+const LETTER_SIZES: [f32; 2] = [13.0, 96.0];
+/// Width of the panel in letter sizes: the longest heading, "irradiance", and margins.
+const WIDTH: f32 = 7.4;
+/// The least height of a picture with a legend, in letter sizes: headings and three ticks.
+const MIN_HEIGHT: f32 = 11.0;
+/// Distance from the panel's edges, in letter sizes.
+const MARGIN: f32 = 0.8;
+/// Width of the bar of colours, in letter sizes.
+const BAR: f32 = 1.3;
+/// Height of a line of the heading, in letter sizes.
+const LINE: f32 = 1.35;
+/// The least distance between labels, in letter sizes.
+const LABEL_DISTANCE: f32 = 1.8;
+
+/// sRGB codes of the panel, its letters and ticks: a dark grey that does not outshine the picture.
+const PANEL: f32 = 0.11;
+const INK: f32 = 0.90;
+
+/// Where a legend goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layout {
+    /// Letter size, pixels.
+    letter: f32,
+    /// Width of the panel, pixels.
+    pub width: u32,
+}
+
+impl Layout {
+    /// The legend of a picture with this many rows.
+    fn of_height(height: u32) -> Self {
+        let [smallest, largest] = LETTER_SIZES;
+        let letter = (height as f32 / ROWS_PER_LETTER_SIZE)
+            .clamp(smallest, largest)
+            .round();
+        Self {
+            letter,
+            width: (WIDTH * letter).round() as u32,
+        }
+    }
+
+    /// The legend inside a picture of this size; `None` if it would take more than half of it.
+    pub fn inside(size: Size) -> Option<Self> {
+        let layout = Self::of_height(size.height);
+        (2 * layout.width <= size.width && MIN_HEIGHT * layout.letter <= size.height as f32)
+            .then_some(layout)
+    }
+
+    /// The size of a picture whose view has this size, beside the legend.
+    pub fn around(view: Size) -> Size {
+        Size {
+            width: view.width + Self::of_height(view.height).width,
+            ..view
+        }
+    }
+}
+
+/// Draws the legend over the right of a picture.
+pub fn draw(canvas: &mut Canvas, layout: Layout, tone: &Tone, quantity: Quantity) {
+    let letter = layout.letter;
+    let Some(typeface) = Typeface::new(letter) else {
+        return;
+    };
+    let ink = Rgb::splat(decode(INK));
+    let height = canvas.size.height as f32;
+    let panel_left = f64::from(canvas.size.width - layout.width) as i64;
+    canvas.fill(
+        [panel_left, 0],
+        [i64::from(layout.width), i64::from(canvas.size.height)],
+        Rgb::splat(decode(PANEL)),
+    );
+    let left = panel_left as f32 + MARGIN * letter;
+    for (line, text) in [quantity.to_string(), "W/m²".to_owned()].iter().enumerate() {
+        let middle = (MARGIN + 0.5 + line as f32 * LINE) * letter;
+        typeface.draw(canvas, left, middle, text, ink);
+    }
+
+    let top = ((MARGIN + 2.0 * LINE + 0.6) * letter).round() as i64;
+    let bottom = (height - 1.2 * MARGIN * letter).round() as i64;
+    let (bar_left, bar_width) = (left.round() as i64, (BAR * letter).round() as i64);
+    for y in top..bottom {
+        let position = 1.0 - ((y - top) as f64 + 0.5) / (bottom - top) as f64;
+        canvas.fill([bar_left, y], [bar_width, 1], tone.color_at(position));
+    }
+
+    let thickness = (letter / 12.0).round().max(1.0) as i64;
+    let max_labels = ((bottom - top) as f32 / (LABEL_DISTANCE * letter)) as usize;
+    for tick in ticks(tone.scale(), max_labels.max(2)) {
+        // The middle of the line, so that ticks at the ends stay on the bar.
+        let length = (bottom - top - thickness) as f64;
+        let y = top + ((1.0 - tick.position) * length).round() as i64;
+        let tick_length = if tick.label.is_some() { 0.45 } else { 0.22 };
+        let bar_right = bar_left + bar_width;
+        canvas.fill(
+            [bar_right, y],
+            [(tick_length * letter).round() as i64, thickness],
+            ink,
+        );
+        if let Some(label) = &tick.label {
+            let middle = y as f32 + 0.5 * thickness as f32;
+            typeface.draw(canvas, bar_right as f32 + 0.75 * letter, middle, label, ink);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::{Mode, Range};
+
+    #[test]
+    fn legend_takes_at_most_half_of_any_picture() {
+        for width in [1, 64, 200, 320, 1024, 16_384] {
+            for height in [1, 64, 150, 240, 768, 16_384] {
+                if let Some(layout) = Layout::inside(Size { width, height }) {
+                    assert!(2 * layout.width <= width);
+                    assert!(layout.letter >= LETTER_SIZES[0]);
+                }
+            }
+        }
+        assert!(
+            Layout::inside(Size {
+                width: 320,
+                height: 240
+            })
+            .is_some()
+        );
+    }
+
+    #[test]
+    fn headings_and_labels_fit_the_panel() {
+        for height in [144, 240, 768, 2000, 16_384] {
+            let layout = Layout::of_height(height);
+            let typeface = Typeface::new(layout.letter).unwrap();
+            let room = layout.width as f32 - 2.0 * MARGIN * layout.letter;
+            for heading in ["radiosity", "irradiance", "W/m²"] {
+                assert!(typeface.width(heading) <= room, "{heading} at {height}");
+            }
+            // The longest labels that ticks make of ranges as scenes have them.
+            for label in ["0.005", "50000", "2e-10"] {
+                let left = (BAR + 0.75) * layout.letter;
+                assert!(
+                    left + typeface.width(label) <= room + 0.5 * layout.letter,
+                    "{label}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn legend_is_drawn_within_its_panel_and_shows_both_ends() {
+        let tone = Tone::new(
+            Mode::FalseColor,
+            Range {
+                low: 0.2,
+                high: 90.0,
+            },
+        )
+        .unwrap();
+        let size = Size {
+            width: 640,
+            height: 480,
+        };
+        let layout = Layout::inside(size).unwrap();
+        let mut pixels = vec![Rgb::splat(0.5); 640 * 480];
+        draw(
+            &mut Canvas {
+                pixels: &mut pixels,
+                size,
+            },
+            layout,
+            &tone,
+            Quantity::Radiosity,
+        );
+        let view_width = (size.width - layout.width) as usize;
+        for row in pixels.chunks(640) {
+            assert!(row[..view_width].iter().all(|&p| p == Rgb::splat(0.5)));
+            assert!(row[view_width..].iter().all(|&p| p != Rgb::splat(0.5)));
+        }
+        for end in [0.0, 1.0] {
+            let color = tone.color_at(end);
+            // A row is 1/400 of the scale.
+            assert!(
+                pixels.iter().any(|p| p.abs_diff_eq(color, 0.01)),
+                "end {end} is missing"
+            );
+        }
+    }
+}

@@ -1,0 +1,14 @@
+//! The program `display`: pictures and exports of scenes and solutions.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let settings = display::cli::parse();
+    match display::run(&settings) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! A range of luminances that suits a scene, where none is asked for.
+//!
+//! Lamps are orders of magnitude brighter than what they light, and a few patches in corners orders
+//! darker. So the range runs between two percentiles, by area, of the luminances of the patches
+//! that reflect only; lamps may clip to white.
+
+use scene::{Rgb, Scene};
+
+use crate::scale::{LOGARITHMIC_FROM, luminance};
+use crate::settings::{Mode, Range};
+
+/// Shares of the lit area that lie below the range and above it. Tuned by eye on the Cornell box
+/// and on a hall with columns.
+const DARKEST: f64 = 0.005;
+const BRIGHTEST: f64 = 0.005;
+
+/// The percentiles' quotient is taken for at least this, so that an even scene does not become all
+/// contrast.
+const MIN_CONTRAST: f64 = 10.0;
+/// And for at most this in a log picture, where what is well lit would become pale (tuned
+/// likewise), and this in false colours.
+const MAX_LOG_CONTRAST: f64 = 300.0;
+const MAX_FALSE_COLOR_CONTRAST: f64 = 1e4;
+
+/// Share of a log picture's scale that lies below the darkest patches, so that shadows keep their
+/// shape: they start at an eighth of the codes. Tuned by eye on the same scenes.
+const SHADOW_ROOM: f64 = 0.125;
+
+/// What is taken where there is no light at all.
+const DARK: Range = Range {
+    low: 0.01,
+    high: 1.0,
+};
+
+/// The range for patches of these values (one per patch, W/m^2).
+pub fn suiting(scene: &Scene, values: &[Rgb], mode: Mode) -> Range {
+    let areas = scene.patch_areas();
+    let emissions = scene.patch_emissions();
+    let lit = |emitters: bool| -> Vec<(f64, f64)> {
+        let patches = values.iter().zip(&areas).zip(&emissions);
+        patches
+            .filter(|(_, emission)| (emission.max_element() > 0.0) == emitters)
+            .map(|((&value, &area), _)| (f64::from(luminance(value)), area))
+            .filter(|&(light, _)| light > 0.0)
+            .collect()
+    };
+    let mut lights = lit(false);
+    if lights.is_empty() {
+        lights = lit(true);
+    }
+    let Some([low, high]) = percentiles(&mut lights, [DARKEST, 1.0 - BRIGHTEST]) else {
+        return DARK;
+    };
+    let most = if mode == Mode::Log {
+        MAX_LOG_CONTRAST
+    } else {
+        MAX_FALSE_COLOR_CONTRAST
+    };
+    let contrast = (high / low).clamp(MIN_CONTRAST, most);
+    let low = match mode {
+        Mode::Linear => 0.0,
+        // A linear scale starts at 0, to be in proportion.
+        Mode::FalseColor if contrast < LOGARITHMIC_FROM => 0.0,
+        Mode::FalseColor | Mode::Ids => round(high / contrast, f64::floor),
+        Mode::Log => round(high / contrast.powf(1.0 / (1.0 - SHADOW_ROOM)), f64::floor),
+    };
+    Range {
+        low,
+        high: round(high, f64::ceil),
+    }
+}
+
+/// The luminances below which these shares (ascending) of the area lie. `lights` are luminance and
+/// area.
+fn percentiles<const N: usize>(lights: &mut [(f64, f64)], shares: [f64; N]) -> Option<[f64; N]> {
+    lights.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let total: f64 = lights.iter().map(|(_, area)| area).sum();
+    let brightest = lights.last()?.0;
+    let (mut below, mut lights) = (0.0, lights.iter());
+    let mut current = brightest;
+    Some(shares.map(|share| {
+        while below <= share * total {
+            let Some(&(light, area)) = lights.next() else {
+                break;
+            };
+            (below, current) = (below + area, light);
+        }
+        current
+    }))
+}
+
+/// A positive number with three significant digits, so that the range as printed gives the same
+/// picture when it is asked for.
+fn round(value: f64, direction: fn(f64) -> f64) -> f64 {
+    let exponent = value.log10().floor() as i32 - 2;
+    // Dividing by a power of ten >= 1 gives the nearest f64 to the decimal number, as parsing does.
+    if exponent >= 0 {
+        let unit = 10_f64.powi(exponent);
+        direction(value / unit) * unit
+    } else {
+        let units = 10_f64.powi(-exponent);
+        direction(value * units) / units
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percentiles_weigh_by_area() {
+        let mut lights = vec![(3.0, 1.0), (1.0, 98.0), (2.0, 1.0)];
+        assert_eq!(
+            percentiles(&mut lights, [0.5, 0.985, 0.995]),
+            Some([1.0, 2.0, 3.0])
+        );
+        assert_eq!(percentiles(&mut [], [0.5]), None);
+    }
+
+    #[test]
+    fn rounded_ends_survive_printing() {
+        for value in [0.001_234_5, 0.077_77, 1.0, 12.3456, 98_765.4, 1.234e7] {
+            for direction in [f64::floor, f64::ceil] {
+                let rounded = round(value, direction);
+                assert!((rounded / value - 1.0).abs() < 0.01);
+                let printed: f64 = format!("{rounded}").parse().unwrap();
+                assert!(printed.to_bits() == rounded.to_bits());
+                assert!(
+                    format!("{rounded:e}").len() <= "9.99e-99".len(),
+                    "{rounded:e}"
+                );
+            }
+        }
+    }
+}

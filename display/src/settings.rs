@@ -1,0 +1,263 @@
+//! What a run is asked to do: plain, checked values, whatever they were given as.
+
+use std::path::PathBuf;
+
+use glam::DVec3;
+
+/// The longest side of a picture, pixels.
+pub const MAX_SIDE: u32 = 16_384;
+
+/// The most pixels of a picture: its linear and its mapped form take 28 bytes a pixel, 4 GB in all.
+pub const MAX_PIXELS: u64 = 1 << 27;
+
+/// The largest coordinate of a camera, metres; squares of it are far from overflow.
+const MAX_COORDINATE: f64 = 1e12;
+
+/// How values become colours.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mode {
+    /// The logarithm of luminance as brightness.
+    #[default]
+    Log,
+    /// In proportion to the light.
+    Linear,
+    /// Luminance as a colour of a perceptual colour map, with a legend.
+    FalseColor,
+    /// Patch IDs, as the solver sees them: R = ID >> 16, G = ID >> 8, B = ID.
+    Ids,
+}
+
+impl std::fmt::Display for Mode {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Log => "log",
+            Self::Linear => "linear",
+            Self::FalseColor => "false-color",
+            Self::Ids => "ids",
+        })
+    }
+}
+
+/// Which of a solution's values is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Quantity {
+    /// B = E + rho H, W/m^2: what an eye sees.
+    #[default]
+    Radiosity,
+    /// H, W/m^2: what a light meter sees.
+    Irradiance,
+}
+
+impl std::fmt::Display for Quantity {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Radiosity => "radiosity",
+            Self::Irradiance => "irradiance",
+        })
+    }
+}
+
+/// A picture's size, pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size {
+    /// Pixels in a row, 1 to [`MAX_SIDE`].
+    pub width: u32,
+    /// Rows, 1 to [`MAX_SIDE`].
+    pub height: u32,
+}
+
+impl std::fmt::Display for Size {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}x{}", self.width, self.height)
+    }
+}
+
+/// The luminances at the two ends of a scale, W/m^2.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Mapped to black, or to the first colour.
+    pub low: f64,
+    /// Mapped to white, or to the last colour; above `low`.
+    pub high: f64,
+}
+
+/// A coordinate axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)] // the names say all
+pub enum Axis {
+    X,
+    Y,
+    Z,
+}
+
+impl Axis {
+    /// All three.
+    pub const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
+
+    /// Unit vector along the axis.
+    pub fn direction(self) -> DVec3 {
+        match self {
+            Self::X => DVec3::X,
+            Self::Y => DVec3::Y,
+            Self::Z => DVec3::Z,
+        }
+    }
+}
+
+/// What a picture shows, and from where. The default takes all from the scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RenderSettings {
+    /// How values become colours.
+    pub mode: Mode,
+    /// Which values.
+    pub quantity: Quantity,
+    /// Interpolate between patches.
+    pub smooth: bool,
+    /// Leave out the backs of surfaces, which are black otherwise.
+    pub cull_back_faces: bool,
+    /// Size of the whole picture, legend included.
+    pub size: Option<Size>,
+    /// Position of the camera in the model's own coordinates, metres.
+    pub eye: Option<DVec3>,
+    /// The point in the middle of the picture, in the model's own coordinates, metres.
+    pub look_at: Option<DVec3>,
+    /// Vertical angle of view, degrees, between 0 and 180.
+    pub fov_degrees: Option<f64>,
+    /// The axis that points up in the picture.
+    pub up: Option<Axis>,
+    /// The scale's ends, W/m^2.
+    pub range: Option<Range>,
+}
+
+impl RenderSettings {
+    /// Checks what the fields state.
+    pub fn validate(&self) -> Result<(), SettingsError> {
+        if let Some(Size { width, height }) = self.size {
+            let sides = 1..=MAX_SIDE;
+            if !sides.contains(&width) || !sides.contains(&height) {
+                return Err(SettingsError::Side { width, height });
+            }
+            if u64::from(width) * u64::from(height) > MAX_PIXELS {
+                return Err(SettingsError::Pixels { width, height });
+            }
+        }
+        for (name, point) in [("eye", self.eye), ("look-at", self.look_at)] {
+            if let Some(point) = point
+                && !point.to_array().iter().all(|v| v.abs() <= MAX_COORDINATE)
+            {
+                return Err(SettingsError::Coordinate { name, point });
+            }
+        }
+        if let (Some(eye), Some(look_at)) = (self.eye, self.look_at)
+            && eye == look_at
+        {
+            return Err(SettingsError::NoDirection { eye });
+        }
+        if let Some(fov) = self.fov_degrees
+            && !(fov > 0.0 && fov < 180.0)
+        {
+            return Err(SettingsError::Fov { fov });
+        }
+        if let Some(Range { low, high }) = self.range {
+            if !(low.is_finite() && high.is_finite() && low < high) {
+                return Err(SettingsError::Range { low, high });
+            }
+            if self.mode == Mode::Log && low <= 0.0 {
+                return Err(SettingsError::LogRange { low });
+            }
+            if self.mode == Mode::Ids {
+                return Err(SettingsError::IdsWith { option: "--range" });
+            }
+        }
+        if self.mode == Mode::Ids && self.smooth {
+            return Err(SettingsError::IdsWith { option: "--smooth" });
+        }
+        Ok(())
+    }
+}
+
+/// A picture file's format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ImageFormat {
+    /// The mapped picture, 8 bits a channel, sRGB.
+    Png,
+    /// The values themselves, f32, W/m^2, linear RGB, unmapped.
+    Exr,
+}
+
+/// An export's format, see [`scene::export`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)] // the names say all
+pub enum ExportFormat {
+    Ply,
+    Glb,
+    Obj,
+    Csv,
+}
+
+/// Everything `display` is asked to do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// The scene, with or without a solution.
+    pub input: PathBuf,
+    /// Where the picture goes.
+    pub out: Option<(PathBuf, ImageFormat)>,
+    /// Where the export goes.
+    pub export: Option<(PathBuf, ExportFormat)>,
+    /// What is shown.
+    pub render: RenderSettings,
+}
+
+impl Settings {
+    /// Checks what the fields state, and that there is something to do.
+    pub fn validate(&self) -> Result<(), SettingsError> {
+        self.render.validate()?;
+        let (image, export) = (self.out.as_ref(), self.export.as_ref());
+        if image.is_none() && export.is_none() {
+            return Err(SettingsError::NothingToDo);
+        }
+        if self.render.mode == Mode::Ids && image.is_some_and(|(_, f)| *f == ImageFormat::Exr) {
+            return Err(SettingsError::IdsInExr);
+        }
+        for path in [image.map(|o| &o.0), export.map(|e| &e.0)]
+            .into_iter()
+            .flatten()
+        {
+            if *path == self.input {
+                return Err(SettingsError::OutputIsInput { path: path.clone() });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Settings that cannot be.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs)] // the fields are the values the message shows
+pub enum SettingsError {
+    #[error(
+        "the interactive window does not exist yet; give --out IMAGE.png|.exr for a picture or \
+         --export FILE.ply|.glb|.obj|.csv for the patches"
+    )]
+    NothingToDo,
+    #[error("size {width}x{height}: each side must be 1 to {MAX_SIDE} pixels")]
+    Side { width: u32, height: u32 },
+    #[error("size {width}x{height}: the limit is {MAX_PIXELS} pixels in all; give a smaller one")]
+    Pixels { width: u32, height: u32 },
+    #[error("{name} {point} m: each coordinate must be a number between -1e12 and 1e12")]
+    Coordinate { name: &'static str, point: DVec3 },
+    #[error("eye and look-at are both {eye} m; move one of them")]
+    NoDirection { eye: DVec3 },
+    #[error("angle of view {fov} degrees must be between 0 and 180; 60 suits a room")]
+    Fov { fov: f64 },
+    #[error("range {low}:{high} W/m^2 must be two finite numbers, the lower one first")]
+    Range { low: f64, high: f64 },
+    #[error("range starts at {low} W/m^2, a logarithm needs more than 0; raise it or use linear")]
+    LogRange { low: f64 },
+    #[error("{option} has no meaning in mode ids; leave one of them out")]
+    IdsWith { option: &'static str },
+    #[error("an .exr holds unmapped values and no patch IDs; use .png for mode ids")]
+    IdsInExr,
+    #[error("{} is the input; choose another name for the output", path.display())]
+    OutputIsInput { path: PathBuf },
+}

@@ -1,0 +1,202 @@
+//! The program by its command line.
+
+mod common;
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use common::lit_room;
+use tempfile::TempDir;
+
+/// A folder with a solved scene, `room`, and the same unsolved, `unsolved`.
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let (scene, solution) = lit_room();
+    scene::file::save(&folder.path().join("room"), &scene, Some(&solution)).unwrap();
+    scene::file::save(&folder.path().join("unsolved"), &scene, None).unwrap();
+    folder
+}
+
+fn display(folder: &Path, arguments: &str) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_display"))
+        .args(arguments.split_whitespace())
+        .current_dir(folder)
+        .output()
+        .unwrap()
+}
+
+/// Runs the program, which is to end with this code, and gives what it printed and what it
+/// complained.
+fn run(folder: &Path, arguments: &str, code: i32) -> [String; 2] {
+    let output = display(folder, arguments);
+    let [out, err] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+    assert_eq!(
+        output.status.code(),
+        Some(code),
+        "display {arguments}\n{out}{err}"
+    );
+    [out, err]
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let files = std::fs::read_dir(folder).unwrap();
+    let mut names: Vec<String> = files
+        .map(|f| f.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn no_arguments_print_the_usage() {
+    let folder = folder();
+    let [_, err] = run(folder.path(), "", 2);
+    assert!(err.contains("Usage: display"), "{err}");
+}
+
+#[test]
+fn without_an_output_it_says_what_there_is() {
+    let folder = folder();
+    let [_, err] = run(folder.path(), "room", 2);
+    assert!(
+        err.contains("window") && err.contains("--out") && err.contains("--export"),
+        "{err}"
+    );
+}
+
+#[test]
+fn wrong_usage_exits_with_2_and_writes_nothing() {
+    let folder = folder();
+    let before = names(folder.path());
+    for (arguments, said) in [
+        ("room x --out a.png", "'x'"),
+        ("room --out a.jpg", ".png or .exr"),
+        ("room --out a", ".png or .exr"),
+        ("room --export a.stl", ".ply or .glb or .obj or .csv"),
+        ("room --out a.png --mode loud", "loud"),
+        ("room --out a.png --size 0x5", "1 to 16384"),
+        ("room --out a.png --size 5", "1024x768"),
+        ("room --out a.png --size=-5x5", "1024x768"),
+        ("room --out a.png --size 20000x5", "1 to 16384"),
+        ("room --out a.png --size 16384x16384", "134217728"),
+        ("room --out a.png --fov 180", "between 0 and 180"),
+        ("room --out a.png --fov -1", "between 0 and 180"),
+        ("room --out a.png --fov wide", "wide"),
+        ("room --out a.png --eye 1,2", "three numbers"),
+        ("room --out a.png --eye 1,2,inf", "eye"),
+        (
+            "room --out a.png --eye -1,2,3 --look-at -1,2,3",
+            "move one of them",
+        ),
+        ("room --out a.png --range 5:2", "lower one first"),
+        ("room --out a.png --range 0:2", "more than 0"),
+        ("room --out a.png --range nan:2 --mode linear", "finite"),
+        ("room --out a.png --range 2", "0.1:50"),
+        ("room c --out a.png --mode log", "--mode ids"),
+        ("room c --out a.png --smooth", "no meaning"),
+        ("room c --out a.exr", ".png"),
+        ("room.csv --export room.csv", "is the input"),
+        ("room --out a.png --gpu", "--gpu"),
+    ] {
+        let [out, err] = run(folder.path(), arguments, 2);
+        assert!(err.contains(said), "display {arguments}: {err}");
+        assert!(out.is_empty());
+    }
+    assert_eq!(names(folder.path()), before);
+}
+
+#[test]
+fn files_that_cannot_be_read_or_written_exit_with_1_and_leave_nothing() {
+    let folder = folder();
+    std::fs::write(folder.path().join("text"), "not a scene").unwrap();
+    std::fs::create_dir(folder.path().join("taken.png")).unwrap();
+    let before = names(folder.path());
+    for (arguments, said) in [
+        ("missing --out a.png", "missing"),
+        ("text --out a.png", "text"),
+        ("room --out nowhere/a.png --size 8x6", "nowhere/a.png"),
+        ("room --out nowhere/a.exr --size 8x6", "nowhere/a.exr"),
+        ("room --out taken.png --size 8x6", "taken.png"),
+        ("room --export nowhere/a.csv", "nowhere/a.csv"),
+        ("room --export nowhere/a.glb", "nowhere/a.glb"),
+    ] {
+        let [out, err] = run(folder.path(), arguments, 1);
+        assert!(
+            err.contains(said) && err.lines().count() == 1,
+            "display {arguments}: {err}"
+        );
+        assert!(out.is_empty(), "{out}");
+    }
+    assert_eq!(names(folder.path()), before);
+}
+
+#[test]
+fn picture_and_export_are_both_written_and_reported() {
+    let folder = folder();
+    let [out, err] = run(
+        folder.path(),
+        "room --out a.png --size 64x48 --range 0.1:50 --export a.csv",
+        0,
+    );
+    assert_eq!(
+        out,
+        "a.png: 64x48, log radiosity, 0.1 to 50 W/m^2\na.csv: 2946 patches\n"
+    );
+    assert!(err.is_empty(), "{err}");
+    let picture = image::open(folder.path().join("a.png")).unwrap();
+    assert_eq!((picture.width(), picture.height()), (64, 48));
+    let rows = std::fs::read_to_string(folder.path().join("a.csv"))
+        .unwrap()
+        .lines()
+        .count();
+    assert_eq!(rows, 2947);
+}
+
+#[test]
+fn every_mode_and_format_works_from_the_command_line() {
+    let folder = folder();
+    for arguments in [
+        "room s --out a.png --size 64x48 --mode linear",
+        "room --out a.png --size 64x48 --mode false-color --quantity irradiance",
+        "room c --out a.png --size 64x48 --cull-back",
+        "room --out a.exr --size 64x48 --mode false-color",
+        "room --out a.png --size 64x48 --eye -1,1,4 --look-at -0.5,1,-3 --fov 50 --up y",
+        "room --export a.ply",
+        "room --export a.glb --mode false-color",
+        "room --export a.obj",
+    ] {
+        let [out, err] = run(folder.path(), arguments, 0);
+        let file = out.split(':').next().unwrap();
+        assert!(
+            std::fs::metadata(folder.path().join(file)).unwrap().len() > 100,
+            "{arguments}"
+        );
+        assert!(err.is_empty(), "{err}");
+    }
+}
+
+#[test]
+fn file_without_a_solution_shows_its_emission_and_says_so() {
+    let folder = folder();
+    let [_, err] = run(folder.path(), "unsolved --out a.png --size 64x48", 0);
+    assert!(
+        err.contains("no solution") && err.lines().count() == 1,
+        "{err}"
+    );
+    let picture = image::open(folder.path().join("a.png")).unwrap().to_rgb8();
+    assert!(picture.pixels().any(|p| p.0 == [255; 3]), "the lamp");
+}
+
+#[test]
+fn same_arguments_give_the_same_bytes() {
+    let folder = folder();
+    let bytes = |name: &str| {
+        run(
+            folder.path(),
+            &format!("room --out {name} --size 64x48 --smooth"),
+            0,
+        );
+        std::fs::read(folder.path().join(name)).unwrap()
+    };
+    assert!(bytes("a.png") == bytes("b.png"));
+}
