@@ -43,6 +43,8 @@ pub enum SceneError {
         object: u32,
         count: usize,
     },
+    #[error("{depths} depths of bisection trees for {surfaces} surfaces")]
+    DepthCount { depths: usize, surfaces: usize },
     #[error(
         "surface {surface}: {bisections} bisections, the limit is {}",
         crate::bisection::MAX_BISECTIONS

@@ -91,6 +91,12 @@ impl Scene {
                 });
             }
         }
+        if depths.len() != surfaces.len() {
+            return Err(SceneError::DepthCount {
+                depths: depths.len(),
+                surfaces: surfaces.len(),
+            });
+        }
         let mesh = Mesh::new(depths)?;
         let surfaces = surfaces
             .into_iter()
@@ -243,5 +249,35 @@ impl Scene {
             .fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], p| {
                 [low.min(p), high.max(p)]
             })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn regression_every_surface_needs_a_depth() {
+        let wall = Material {
+            name: "wall".into(),
+            reflectance: Rgb::ZERO,
+            emission: Rgb::ZERO,
+        };
+        let triangle = Surface {
+            corners: [Vec3::ZERO, Vec3::X, Vec3::Y],
+            material: MaterialId(0),
+            object: ObjectId(0),
+        };
+        let scene = |depths: &[u32]| {
+            let (walls, surfaces) = (vec![wall.clone()], vec![triangle; 2]);
+            Scene::new(walls, vec!["all".into()], surfaces, depths, DVec3::ZERO)
+        };
+        assert!(scene(&[0, 3]).is_ok());
+        for depths in [&[][..], &[0], &[0, 0, 0]] {
+            assert!(matches!(
+                scene(depths),
+                Err(SceneError::DepthCount { surfaces: 2, .. })
+            ));
+        }
     }
 }

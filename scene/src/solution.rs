@@ -17,7 +17,8 @@ pub struct Provenance {
     pub settings: String,
     /// Iterations the solution has had.
     pub iterations: u64,
-    /// Relative residual after each of those iterations, dimensionless.
+    /// Relative residual after each of those iterations that were done with these settings,
+    /// dimensionless.
     #[serde(deserialize_with = "numbers_or_null")]
     pub residuals: Vec<f64>,
 }

@@ -65,7 +65,7 @@ pub fn save(path: &Path, scene: &Scene, solution: Option<&Solution>) -> Result<(
 }
 
 /// A field, in quotes where it needs them.
-fn quoted(field: &str) -> Cow<'_, str> {
+pub fn quoted(field: &str) -> Cow<'_, str> {
     if field.contains([',', '"', '\n', '\r']) {
         Cow::Owned(format!("\"{}\"", field.replace('"', "\"\"")))
     } else {
