@@ -6,6 +6,7 @@
 //! [`run`](mod@run) joins all of it, with checkpoints, and [`report`]s.
 
 pub mod backend;
+pub mod certificate;
 pub mod cli;
 pub mod cpu;
 pub mod delta_form_factors;
@@ -13,6 +14,8 @@ mod form_factors_csv;
 pub mod gpu;
 pub mod hemicube;
 pub mod interrupt;
+pub mod lamps;
+pub mod polygon_form_factor;
 pub mod problem;
 mod progress;
 pub mod quantity;
@@ -22,3 +25,5 @@ pub mod rows;
 pub mod run;
 pub mod settings;
 pub mod solver;
+pub mod verify;
+pub mod view_factors;

@@ -93,7 +93,7 @@ mod tests {
     #[test]
     fn durations_and_sizes_read_as_written() {
         assert_eq!(parse_duration("90s"), Ok(Duration::from_secs(90)));
-        assert_eq!(parse_duration("5min"), Ok(Duration::from_secs(300)));
+        assert_eq!(parse_duration("5min"), Ok(Duration::from_mins(5)));
         assert_eq!(parse_duration("0.2s"), Ok(Duration::from_millis(200)));
         assert_eq!(parse_size("4GiB"), Ok(4 << 30));
         assert_eq!(parse_size("1.5 KiB"), Ok(1536));

@@ -6,13 +6,16 @@
 //! back faces, which are black. At the solution they balance up to the error of the form factors'
 //! reciprocity: patches gather by F_ij, and leave by F_ji. The imbalance says how large that is.
 
+use std::time::Duration;
+
 use glam::DVec3;
 use scene::{Scene, Solution};
 use serde::Serialize;
 
+use crate::certificate::Certificate;
 use crate::quantity::{show_duration, show_size};
 use crate::row_cache::RowCache;
-use crate::settings::{Maps, Settings, SolverChoice};
+use crate::settings::{LampViews, Maps, Settings, SolverChoice};
 
 /// Why a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -76,6 +79,8 @@ pub struct Report {
     pub closure: Option<Closure>,
     /// Mean share of a hemisphere that sees back faces, by area; null as above.
     pub back_face_share: Option<f64>,
+    /// What the form factors and the solution are worth.
+    pub certificate: Certificate,
     /// Why it ended.
     pub stopped_by: StoppedBy,
 }
@@ -89,6 +94,8 @@ pub struct SettingsReport {
     pub maps: Maps,
     /// Hemicubes' places.
     pub points: String,
+    /// Views of lamps.
+    pub lamps: LampViews,
     /// Solver.
     pub solver: SolverChoice,
     /// Relative residual to stop at.
@@ -101,6 +108,8 @@ pub struct SettingsReport {
     pub threads: usize,
     /// Budget of kept form factors.
     pub memory_bytes: u64,
+    /// Whether a certificate beyond its tolerances is a failure.
+    pub strict: bool,
 }
 
 /// Who drew.
@@ -136,6 +145,15 @@ pub struct Seconds {
     pub write: f64,
     /// All.
     pub total: f64,
+}
+
+impl Seconds {
+    /// Splits what is not known yet into drawing and the rest.
+    pub fn finish(&mut self, total: Duration, draw: Duration) {
+        self.total = total.as_secs_f64();
+        self.draw = draw.as_secs_f64();
+        self.solve = (self.total - self.load - self.open - self.draw - self.write).max(0.0);
+    }
 }
 
 /// Power balance, W, by channel.
@@ -191,7 +209,7 @@ pub fn measure(
         let leaving = area * radiosity[i].as_dvec3();
         lost += open * leaving;
         back += back_face * leaving;
-        let sum = f64::from(rows.units_per_one() - unseen.open - unseen.back_face) / units_per_one;
+        let sum = rows.received().row_sum(i, rows.units_per_one());
         sum_min = sum_min.min(sum);
         sum_max = sum_max.max(sum);
         sum_area += area * sum;
@@ -228,6 +246,13 @@ pub fn peak_memory_bytes() -> Option<u64> {
 }
 
 impl Report {
+    /// Why the run counts as a failure though its result is written.
+    pub fn strict_failure(&self) -> Option<String> {
+        let violations = &self.certificate.violations;
+        (self.settings.strict && !violations.is_empty())
+            .then(|| format!("{} is written, but {}", self.output, violations.join("; ")))
+    }
+
     /// A few lines for people.
     pub fn summary(&self) -> String {
         let mut lines = vec![
@@ -278,6 +303,7 @@ impl Report {
                 closure.min, closure.max, closure.mean
             ));
         }
+        lines.push(format!("certificate    {}", self.certificate.summary()));
         let residual = self
             .residuals
             .last()
@@ -291,8 +317,8 @@ impl Report {
     }
 }
 
-fn duration(seconds: f64) -> std::time::Duration {
-    std::time::Duration::try_from_secs_f64(seconds).unwrap_or_default()
+fn duration(seconds: f64) -> Duration {
+    Duration::try_from_secs_f64(seconds).unwrap_or_default()
 }
 
 impl SettingsReport {
@@ -302,12 +328,14 @@ impl SettingsReport {
             resolution: settings.form_factors.resolution,
             maps: settings.form_factors.maps,
             points: settings.form_factors.points.to_string(),
+            lamps: settings.lamps,
             solver: settings.solver,
             tolerance: settings.tolerance,
             iterations: settings.max_iterations,
             time_limit_seconds: settings.time_limit.map(|limit| limit.as_secs_f64()),
             threads,
             memory_bytes: settings.memory_bytes,
+            strict: settings.strict,
         }
     }
 }

@@ -1,11 +1,14 @@
 //! Form factor rows, kept while they fit a memory budget and drawn again when they do not.
 
 use std::collections::BTreeMap;
+use std::io;
 use std::time::{Duration, Instant};
 
 use scene::Scene;
 
-use crate::rows::{BackendError, RowBatch, RowSource, Unseen};
+use crate::certificate::Received;
+use crate::interrupt;
+use crate::rows::{BackendError, Entry, RowBatch, RowSource, Unseen};
 use crate::settings::FormFactorSettings;
 
 /// All rows of a scene, as far as anybody asks for them.
@@ -20,6 +23,8 @@ pub struct RowCache<'a> {
     passing: RowBatch,
     /// One per patch; `None`: not drawn in this run.
     unseen: Vec<Option<Unseen>>,
+    /// What the rows that were drawn in this run send to each patch.
+    received: Received,
     statistics: RowStatistics,
 }
 
@@ -52,6 +57,7 @@ impl<'a> RowCache<'a> {
             kept: BTreeMap::new(),
             passing: RowBatch::new(0),
             unseen: vec![None; scene.patch_count() as usize],
+            received: Received::new(&scene.patch_areas()),
             statistics: RowStatistics::default(),
         }
     }
@@ -74,6 +80,45 @@ impl<'a> RowCache<'a> {
     /// What each patch does not see as patches, where its row was drawn in this run.
     pub fn unseen(&self) -> &[Option<Unseen>] {
         &self.unseen
+    }
+
+    /// What the rows that were drawn in this run send to each patch, each row once.
+    pub fn received(&self) -> &Received {
+        &self.received
+    }
+
+    /// Hands out the rows of all patches in patch order, drawing those that are not kept.
+    ///
+    /// # Errors
+    /// What `take` and the back end say; [`io::ErrorKind::Interrupted`] where the user asked.
+    pub fn for_each_row(
+        &mut self,
+        mut take: impl FnMut(u32, &[Entry]) -> io::Result<()>,
+    ) -> io::Result<()> {
+        let mut patch = 0;
+        while patch < self.patch_count {
+            if interrupt::requested() {
+                return Err(io::ErrorKind::Interrupted.into());
+            }
+            let batch = self.batch_with(patch).map_err(io::Error::other)?;
+            let range = batch.patches();
+            for from in patch..range.end {
+                take(from, batch.row((from - range.start) as usize))?;
+            }
+            patch = range.end;
+        }
+        Ok(())
+    }
+
+    /// Draws the rows that were not drawn in this run.
+    pub fn draw_missing(&mut self) -> Result<(), BackendError> {
+        while let Some(patch) = self.unseen.iter().position(Option::is_none) {
+            if interrupt::requested() {
+                break;
+            }
+            self.batch_with(patch as u32)?;
+        }
+        Ok(())
     }
 
     /// A batch that holds the row of `patch`, which exists; where the row must be drawn, the batch
@@ -99,8 +144,10 @@ impl<'a> RowCache<'a> {
         self.statistics.duration += start.elapsed();
         self.statistics.hemicubes +=
             u64::from(end - patch) * u64::from(self.settings.points.count());
-        for k in 0..(end - patch) as usize {
-            self.unseen[patch as usize + k] = Some(batch.unseen(k));
+        let drawn = &mut self.unseen[patch as usize..end as usize];
+        self.received.add(&batch, |k: usize| drawn[k].is_none());
+        for (k, unseen) in drawn.iter_mut().enumerate() {
+            *unseen = Some(batch.unseen(k));
         }
         // Shrunk before it is weighed: growing by doubling may have taken twice what it holds.
         batch.shrink();

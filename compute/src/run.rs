@@ -8,13 +8,14 @@ use scene::file::{self, OutputLock};
 use scene::{Scene, Solution};
 
 use crate::backend::{self, Backend};
+use crate::lamps::with_lamps;
 use crate::problem::Problem;
 use crate::progress::{Position, Progress};
 use crate::report::{self, BackendReport, Report, RowsReport, Seconds, SettingsReport, StoppedBy};
 use crate::row_cache::RowCache;
 use crate::settings::{Settings, SolverChoice};
 use crate::solver::{Gather, Shoot, Solver, Update};
-use crate::{form_factors_csv, interrupt};
+use crate::{certificate, form_factors_csv, interrupt, view_factors};
 
 /// Does what was asked for, and says on standard error what a user should know on the way.
 ///
@@ -27,6 +28,7 @@ pub fn run(settings: &Settings) -> anyhow::Result<Report> {
         Some(&settings.output),
         settings.report.as_ref(),
         settings.form_factors_csv.as_ref(),
+        settings.view_factors_csv.as_ref(),
     ];
     let _locks: Vec<OutputLock> = outputs
         .into_iter()
@@ -71,10 +73,9 @@ impl<'a> Run<'a> {
         if let Some(remark) = remark {
             eprintln!("compute: {remark}");
         }
+        let source = with_lamps(&scene, settings.form_factors, settings.lamps, source);
         let mut rows = RowCache::new(&scene, source, settings.form_factors, settings.memory_bytes);
-        if let Some(path) = &settings.form_factors_csv
-            && let Err(error) = form_factors_csv::save(path, &mut rows, scene.patch_count())
-        {
+        if let Err(error) = self.write_factors(&scene, &mut rows) {
             if !interrupt::requested() {
                 return Err(error);
             }
@@ -111,17 +112,21 @@ impl<'a> Run<'a> {
             }
         };
         saved?;
+        if settings.strict && !matches!(stopped_by, StoppedBy::Interrupt | StoppedBy::TimeLimit) {
+            rows.draw_missing()?;
+        }
 
         let statistics = rows.statistics();
-        self.seconds.draw = statistics.duration.as_secs_f64();
-        self.seconds.total = self.start.elapsed().as_secs_f64();
-        self.seconds.solve = (self.seconds.total
-            - self.seconds.load
-            - self.seconds.open
-            - self.seconds.draw
-            - self.seconds.write)
-            .max(0.0);
+        self.seconds
+            .finish(self.start.elapsed(), statistics.duration);
         let (energy, closure, back_face_share) = report::measure(&scene, &solution, &rows);
+        let certificate = certificate::certify(
+            &scene,
+            &rows,
+            settings.form_factors,
+            energy.imbalance,
+            solution.provenance.residuals.last().copied(),
+        );
         let report = Report {
             version: env!("CARGO_PKG_VERSION"),
             input: settings.input.display().to_string(),
@@ -146,12 +151,29 @@ impl<'a> Run<'a> {
             energy,
             closure,
             back_face_share,
+            certificate,
             stopped_by,
         };
+        if !settings.strict {
+            for warning in report.certificate.warnings() {
+                eprintln!("compute: warning: {warning}");
+            }
+        }
         if let Some(path) = &settings.report {
             write_report(path, &report)?;
         }
         Ok(report)
+    }
+
+    /// Writes the form factors and the view factors that were asked for.
+    fn write_factors(&self, scene: &Scene, rows: &mut RowCache) -> anyhow::Result<()> {
+        if let Some(path) = &self.settings.form_factors_csv {
+            form_factors_csv::save(path, rows)?;
+        }
+        if let Some(path) = &self.settings.view_factors_csv {
+            view_factors::save(path, scene, rows)?;
+        }
+        Ok(())
     }
 
     /// The state to go on from: the file's own where it was made with the same settings, else its
@@ -251,8 +273,12 @@ fn solver(choice: SolverChoice, scene: &Scene, start: Solution) -> Box<dyn Solve
 fn describe(settings: &Settings) -> String {
     let form_factors = settings.form_factors;
     format!(
-        "{}, {} pixels, {:?} maps, points {}",
-        settings.solver, form_factors.resolution, form_factors.maps, form_factors.points
+        "{}, {} pixels, {:?} maps, points {}, lamps {:?}",
+        settings.solver,
+        form_factors.resolution,
+        form_factors.maps,
+        form_factors.points,
+        settings.lamps
     )
     .to_lowercase()
 }

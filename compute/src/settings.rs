@@ -53,6 +53,18 @@ pub enum Maps {
     Thesis,
 }
 
+/// Which lamps get a view of their own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LampViews {
+    /// Those that matter, see [`crate::lamps`].
+    Auto,
+    /// None: hemicubes alone.
+    Off,
+    /// All emitting surfaces.
+    All,
+}
+
 /// Which back end draws the hemicubes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -119,6 +131,8 @@ pub struct Settings {
     pub output: PathBuf,
     /// What decides the form factors.
     pub form_factors: FormFactorSettings,
+    /// Which lamps get a view of their own.
+    pub lamps: LampViews,
     /// Who draws.
     pub backend: BackendChoice,
     /// Who solves.
@@ -139,4 +153,8 @@ pub struct Settings {
     pub report: Option<PathBuf>,
     /// Where the form factors go.
     pub form_factors_csv: Option<PathBuf>,
+    /// Where the view factors between objects go.
+    pub view_factors_csv: Option<PathBuf>,
+    /// Whether a certificate beyond its tolerances is a failure.
+    pub strict: bool,
 }

@@ -2,74 +2,37 @@
 
 mod common;
 
-use std::path::Path;
-use std::process::{Child, Command};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use common::{bits, compute, files, folder, load, save, solve, start, stderr, stdout};
+use common::{
+    bits, compute, files, folder, load, save, signal, solve, start, start_endless, stderr, stdout,
+    wait_for_lock,
+};
 use scene::{Scene, Solution};
 
 const SOLVERS: [&str; 3] = ["jacobi", "gauss-seidel", "shooting"];
-
-/// Nothing here takes a hundredth of it; a test that waits longer has found a defect.
-const PATIENCE: Duration = Duration::from_secs(60);
 
 /// About 900 patches: 15 batches an iteration on one thread.
 fn room() -> Scene {
     common::colourful_room(0.1)
 }
 
-/// What a run goes on from: everything but how long it took.
-fn state(
-    solution: &Solution,
-) -> (
-    Vec<[u32; 3]>,
-    Option<Vec<[u32; 3]>>,
-    Option<Vec<[u32; 3]>>,
-    u64,
-) {
-    (
-        bits(&solution.irradiance),
-        solution.unfinished.as_ref().map(|u| bits(&u.irradiance)),
-        solution.unshot.as_ref().map(|u| bits(u)),
-        solution.provenance.iterations,
-    )
+/// All bits a run goes on from, and the iterations it has had.
+fn state(solution: &Solution) -> (Vec<Vec<[u32; 3]>>, u64) {
+    let arrays = [
+        Some(&solution.irradiance),
+        solution.unfinished.as_ref().map(|u| &u.irradiance),
+        solution.unshot.as_ref(),
+    ];
+    let arrays = arrays.map(|values| values.map_or_else(Vec::new, |v| bits(v)));
+    (arrays.into(), solution.provenance.iterations)
 }
 
 #[track_caller]
 fn assert_same(a: &Solution, b: &Solution, what: &str) {
     assert!(state(a) == state(b), "{what}: the bits differ");
     assert_eq!(a.provenance, b.provenance, "{what}");
-}
-
-/// Asks until it is true.
-#[track_caller]
-fn wait_until(mut is_so: impl FnMut() -> bool) {
-    let start = Instant::now();
-    while !is_so() {
-        assert!(start.elapsed() < PATIENCE, "waited for nothing");
-        sleep(Duration::from_millis(2));
-    }
-}
-
-/// Sends a signal by name, as a user's shell would.
-fn signal(child: &Child, name: &str) {
-    let sent = Command::new("kill")
-        .args([format!("-{name}"), child.id().to_string()])
-        .status();
-    assert!(sent.unwrap().success());
-}
-
-/// A run that goes on until it is stopped, drawing all rows again in each iteration.
-fn start_endless(folder: &Path, input: &str, output: &str, more: &[&str]) -> Child {
-    let arguments = [input, output, "32", "--tolerance", "0", "--memory", "0KiB"];
-    start(folder, &[&arguments[..], more].concat())
-}
-
-/// Waits until a run holds the lock of its output, so that it listens to Ctrl-C too.
-fn wait_for_lock(folder: &Path, output: &str) {
-    wait_until(|| folder.join(format!(".{output}.lock")).exists());
 }
 
 #[test]
@@ -155,19 +118,21 @@ fn stopped_by_time_in_mid_iteration_and_continued_is_as_never_stopped() {
 #[test]
 fn killed_at_any_moment_the_output_is_a_whole_file_and_goes_on() {
     let folder = folder();
-    // 6,000 patches: files large enough that writing them takes a part of the time.
-    save(folder.path(), "in.rad", &common::colourful_room(0.012));
+    // Some 70,000 patches: files large enough that writing them takes a part of the time.
+    save(folder.path(), "in.rad", &common::colourful_room(0.001));
     std::fs::copy(folder.path().join("in.rad"), folder.path().join("out.rad")).unwrap();
-    let mut delay_ms = 60;
-    let mut checkpoints = 0;
-    for round in 0..12 {
+    let (mut shortest_ms, mut delay_ms) = (60, 60);
+    let (mut round, mut checkpoints) = (0, 0);
+    while checkpoints < 8 {
+        assert!(round < 100, "OUT is never written");
+        round += 1;
         let before = std::fs::read(folder.path().join("out.rad")).unwrap();
         let mut child = start(
             folder.path(),
             &[
                 "out.rad",
                 "out.rad",
-                "16",
+                "2",
                 "--tolerance",
                 "0",
                 "--memory",
@@ -184,14 +149,15 @@ fn killed_at_any_moment_the_output_is_a_whole_file_and_goes_on() {
         assert!(files(folder.path()).contains(&".out.rad.lock".to_owned()));
         let after = std::fs::read(folder.path().join("out.rad")).unwrap();
         scene::file::from_bytes(&after).unwrap_or_else(|error| panic!("round {round}: {error}"));
-        checkpoints += usize::from(after != before);
-        // From 60 to 240 ms, in no step with the checkpoints.
-        delay_ms = 60 + (delay_ms * 37 + 11) % 180;
+        if after == before {
+            // A busy machine has not come to its first checkpoint.
+            shortest_ms += 20;
+        } else {
+            checkpoints += 1;
+        }
+        // Up to 180 ms more, in no step with the checkpoints.
+        delay_ms = shortest_ms + (delay_ms * 37 + 11) % 180;
     }
-    assert!(
-        checkpoints >= 3,
-        "{checkpoints} of the rounds have written OUT"
-    );
     let done = load(folder.path(), "out.rad").provenance.iterations;
     let iterations = (done + 1).to_string();
     let solve = |input, output| {
@@ -200,7 +166,7 @@ fn killed_at_any_moment_the_output_is_a_whole_file_and_goes_on() {
             &[
                 input,
                 output,
-                "16",
+                "2",
                 "--iterations",
                 &iterations,
                 "--tolerance",
@@ -215,7 +181,7 @@ fn killed_at_any_moment_the_output_is_a_whole_file_and_goes_on() {
     assert!(
         !files(folder.path())
             .iter()
-            .any(|name| name.ends_with(".lock"))
+            .any(|name| name.contains(".lock"))
     );
 }
 
@@ -267,6 +233,29 @@ fn interrupted_it_writes_the_output_exits_130_and_goes_on() {
         let whole = solve("in.rad", "whole.rad");
         assert_same(&solve("out.rad", "out.rad"), &whole, solver);
     }
+}
+
+/// Form factors are drawn before anything is solved.
+#[test]
+fn interrupted_while_writing_form_factors_it_writes_the_output_and_no_half_table() {
+    let folder = folder();
+    save(folder.path(), "in.rad", &room());
+    let arguments = ["--points", "32", "--form-factors", "f.csv"];
+    let child = start(
+        folder.path(),
+        &[&["in.rad", "out.rad", "128"][..], &arguments].concat(),
+    );
+    wait_for_lock(folder.path(), "f.csv");
+    sleep(Duration::from_millis(200));
+    signal(&child, "INT");
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{output:?}");
+    assert!(
+        stderr(&output).contains("f.csv: cannot write: "),
+        "{output:?}"
+    );
+    assert_eq!(load(folder.path(), "out.rad").provenance.iterations, 0);
+    assert_eq!(files(folder.path()), ["in.rad", "out.rad"]);
 }
 
 #[test]

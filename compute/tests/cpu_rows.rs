@@ -7,7 +7,7 @@ use compute::cpu::item_buffer::{BACK_FACE, HemicubeDrawer, NOTHING};
 use compute::hemicube::{self, Frame};
 use compute::rows::{RowBatch, RowSource, Unseen};
 use compute::settings::{FormFactorSettings, Maps, Points};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use scene::{PatchId, Scene, SurfaceId};
 
 fn settings(resolution: u32, points: Points) -> FormFactorSettings {
@@ -132,7 +132,7 @@ fn cast(scene: &Scene, own: SurfaceId, frame: &Frame, local: DVec3) -> u32 {
     let mut nearest = f64::INFINITY;
     let mut seen = NOTHING;
     for (index, surface) in scene.surfaces().iter().enumerate() {
-        let [p0, p1, p2] = surface.corners.map(|p| p.as_dvec3());
+        let [p0, p1, p2] = surface.corners.map(Vec3::as_dvec3);
         let normal = (p1 - p0).cross(p2 - p0);
         let towards = direction.dot(normal);
         let distance = (p0 - frame.position).dot(normal) / towards;

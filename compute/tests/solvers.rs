@@ -2,225 +2,13 @@
 
 mod common;
 
-use compute::cpu::CpuRows;
-use compute::problem::Problem;
-use compute::row_cache::RowCache;
-use compute::settings::{FormFactorSettings, Maps, Points};
-use compute::solver::{Gather, Shoot, Solver, Update};
-use glam::DVec3;
-use scene::{Rgb, Scene, Solution};
-
-/// Half a unit in the last place of an f32, relative: what storing a value may round away.
-const ROUNDING: f64 = 1.0 / (1 << 24) as f64;
-
-/// Every patch's radiosity is stored as B = E + rho H: H, the product and the sum are rounded.
-const ROUNDINGS_PER_RADIOSITY: f64 = 3.0;
-
-const SETTINGS: FormFactorSettings = FormFactorSettings {
-    resolution: 32,
-    maps: Maps::Exact,
-    points: Points::CENTROID,
+use common::methods::{
+    METHODS, Method, ROUNDING, ROUNDINGS_PER_RADIOSITY, converge, dense_solution, error_bound,
+    factors, form_factors, iterate, largest_reflectance, largest_row_sum, norm, radiosity,
+    relative_difference, rows, shooting_factors, solved, solver,
 };
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Method {
-    Jacobi,
-    GaussSeidel,
-    Shooting,
-}
-
-const METHODS: [Method; 3] = [Method::Jacobi, Method::GaussSeidel, Method::Shooting];
-
-fn solver(method: Method, scene: &Scene, start: Solution) -> Box<dyn Solver> {
-    let problem = Problem::new(scene);
-    match method {
-        Method::Jacobi => Box::new(Gather::new(problem, Update::AfterIteration, start)),
-        Method::GaussSeidel => Box::new(Gather::new(problem, Update::AtOnce, start)),
-        Method::Shooting => Box::new(Shoot::new(problem, start)),
-    }
-}
-
-fn rows(scene: &Scene, budget_bytes: u64) -> RowCache<'_> {
-    let source = Box::new(CpuRows::new(scene, SETTINGS));
-    RowCache::new(scene, source, SETTINGS, budget_bytes)
-}
-
-/// Goes on until `iterations` more are done; steps that end none are free.
-fn iterate(solver: &mut dyn Solver, rows: &mut RowCache, iterations: u64) {
-    let end = solver.iterations() + iterations;
-    while solver.iterations() < end {
-        solver.step(rows).unwrap();
-    }
-}
-
-/// Goes on until the residual is at most `residual`, and gives the iterations back.
-fn converge(solver: &mut dyn Solver, rows: &mut RowCache, residual: f64) -> u64 {
-    let before = solver.iterations();
-    loop {
-        iterate(solver, rows, 1);
-        if solver.residual().unwrap() <= residual {
-            return solver.iterations() - before;
-        }
-        assert!(solver.iterations() < 100_000, "{:?}", solver.residual());
-    }
-}
-
-/// From the dark to this residual.
-fn solved(method: Method, scene: &Scene, residual: f64) -> Solution {
-    let mut rows = rows(scene, u64::MAX);
-    let mut solver = solver(method, scene, Solution::dark(scene));
-    converge(solver.as_mut(), &mut rows, residual);
-    solver.snapshot()
-}
-
-/// F_ij as a matrix, row by row.
-fn form_factors(scene: &Scene) -> Vec<Vec<f64>> {
-    let mut rows = rows(scene, u64::MAX);
-    let count = scene.patch_count() as usize;
-    let units_per_one = f64::from(rows.units_per_one());
-    (0..count)
-        .map(|i| {
-            let batch = rows.batch_with(i as u32).unwrap();
-            let mut row = vec![0.0; count];
-            for entry in batch.row(i - batch.patches().start as usize) {
-                row[entry.patch as usize] = f64::from(entry.units) / units_per_one;
-            }
-            row
-        })
-        .collect()
-}
-
-/// The factors by which shooting distributes: G_ji = F_ij A_i / A_j, which is F_ji but for the
-/// error of the hemicubes' reciprocity.
-fn shooting_factors(scene: &Scene) -> Vec<Vec<f64>> {
-    let form_factors = form_factors(scene);
-    let areas = scene.patch_areas();
-    (0..areas.len())
-        .map(|j| {
-            (0..areas.len())
-                .map(|i| form_factors[i][j] * areas[i] / areas[j])
-                .collect()
-        })
-        .collect()
-}
-
-fn factors(method: Method, scene: &Scene) -> Vec<Vec<f64>> {
-    if method == Method::Shooting {
-        shooting_factors(scene)
-    } else {
-        form_factors(scene)
-    }
-}
-
-fn largest_row_sum(matrix: &[Vec<f64>]) -> f64 {
-    matrix
-        .iter()
-        .map(|row| row.iter().sum())
-        .fold(0.0, f64::max)
-}
-
-/// B of B_i = E_i + rho_i sum_j F_ij B_j by Gaussian elimination with pivoting, one channel at a
-/// time.
-fn dense_solution(scene: &Scene, factors: &[Vec<f64>]) -> Vec<DVec3> {
-    let count = scene.patch_count() as usize;
-    let (reflectance, emission) = (scene.patch_reflectances(), scene.patch_emissions());
-    let mut radiosity = vec![DVec3::ZERO; count];
-    for channel in 0..3 {
-        let mut system: Vec<Vec<f64>> = (0..count)
-            .map(|i| {
-                let rho = f64::from(reflectance[i][channel]);
-                let mut row: Vec<f64> = factors[i].iter().map(|f| -rho * f).collect();
-                row[i] += 1.0;
-                row.push(f64::from(emission[i][channel]));
-                row
-            })
-            .collect();
-        for column in 0..count {
-            let pivot = (column..count)
-                .max_by(|&a, &b| system[a][column].abs().total_cmp(&system[b][column].abs()))
-                .unwrap();
-            system.swap(column, pivot);
-            let (above, below) = system.split_at_mut(column + 1);
-            let pivot = &above[column];
-            for row in below {
-                let factor = row[column] / pivot[column];
-                for (value, &p) in row[column..].iter_mut().zip(&pivot[column..]) {
-                    *value -= factor * p;
-                }
-            }
-        }
-        for i in (0..count).rev() {
-            let known: f64 = (i + 1..count)
-                .map(|j| system[i][j] * radiosity[j][channel])
-                .sum();
-            radiosity[i][channel] = (system[i][count] - known) / system[i][i];
-        }
-    }
-    radiosity
-}
-
-/// The norm in which an iteration of the method shrinks what is wrong.
-///
-/// Gathering multiplies by rho F, whose rows sum to at most rho: the largest value of any patch and
-/// channel, W/m^2. Shooting multiplies by rho_j F_ij A_i / A_j: all that leaves i sums to at most rho, so
-/// the power, W. (The reciprocal factors' own row sums are another matter: a small patch in a corner
-/// receives half too much or too little.)
-fn norm(method: Method, scene: &Scene, values: impl Iterator<Item = DVec3>) -> f64 {
-    if method == Method::Shooting {
-        let powers = values
-            .zip(scene.patch_areas())
-            .map(|(v, area)| area * v.abs().element_sum());
-        powers.sum()
-    } else {
-        values.fold(0.0, |most, v| f64::max(most, v.abs().max_element()))
-    }
-}
-
-/// How far a is from b, as a share of b.
-fn relative_difference(method: Method, scene: &Scene, a: &[DVec3], b: &[DVec3]) -> f64 {
-    assert_eq!(a.len(), b.len());
-    norm(method, scene, a.iter().zip(b).map(|(a, b)| *a - *b))
-        / norm(method, scene, b.iter().copied())
-}
-
-fn radiosity(scene: &Scene, solution: &Solution) -> Vec<DVec3> {
-    let radiosity = solution.radiosity(scene);
-    radiosity.into_iter().map(Rgb::as_dvec3).collect()
-}
-
-fn largest_reflectance(scene: &Scene) -> f64 {
-    let reflectances = scene.patch_reflectances();
-    let most = reflectances.iter().map(|r| r.max_element());
-    f64::from(most.fold(0.0, f32::max))
-}
-
-/// How far a solution of a closed room may be from its equation's exact one, relative, in the method's
-/// [`norm`].
-///
-/// With q the largest reflectance, an error of e left in the equation is one of at most e / (1 - q) in
-/// the solution. Left over are, for gathering, q times the last change; for shooting, q times what is
-/// unshot. Gathering rounds each radiosity anew in each iteration; shooting adds up what it rounds, a
-/// shot changing a patch once.
-fn error_bound(scene: &Scene, method: Method, solver: &mut dyn Solver, rows: &mut RowCache) -> f64 {
-    let before = solver.snapshot();
-    let size = norm(method, scene, radiosity(scene, &before).into_iter());
-    let q = largest_reflectance(scene);
-    let (left, roundings) = if method == Method::Shooting {
-        let unshot = before.unshot.unwrap().into_iter().map(Rgb::as_dvec3);
-        let shots = solver.iterations() as f64;
-        (
-            norm(method, scene, unshot) / size,
-            ROUNDINGS_PER_RADIOSITY * shots,
-        )
-    } else {
-        iterate(solver, rows, 1);
-        let after = radiosity(scene, &solver.snapshot());
-        let before = radiosity(scene, &before);
-        let change = relative_difference(method, scene, &before, &after);
-        (change, ROUNDINGS_PER_RADIOSITY)
-    };
-    (q * left + roundings * ROUNDING) / (1.0 - q)
-}
+use glam::DVec3;
+use scene::{Rgb, Solution};
 
 /// The furnace: E and rho alike everywhere, so B = E / (1 - rho), whatever the mesh. Rows sum to
 /// exactly 1, so this holds of every patch for gathering, and of the power for shooting, up to
@@ -288,7 +76,7 @@ fn jacobi_residual_tells_the_error_in_a_furnace() {
 }
 
 /// What the bounds of the agreement with Gaussian elimination must be better than to show anything.
-const AGREEMENT: f64 = 1e-3;
+const AGREEMENT: f64 = 5e-4;
 
 #[test]
 fn solvers_agree_with_gaussian_elimination() {
@@ -317,31 +105,28 @@ fn solvers_agree_with_gaussian_elimination() {
     }
 }
 
-/// What the agreement above rests on: it fails for a factor that is off by a hundredth.
+/// What the agreement above rests on: it fails where the factors to a lamp are off by a hundredth.
 #[test]
-fn gaussian_elimination_tells_a_wrong_form_factor() {
+fn gaussian_elimination_tells_wrong_form_factors() {
     let scene = common::colourful_room(0.6);
     let mut factors = form_factors(&scene);
     let exact = dense_solution(&scene, &factors);
-    // From the floor to the lamp.
-    let lamp = scene
-        .patch_emissions()
-        .iter()
-        .position(|e| e.x > 1.0)
-        .unwrap();
-    factors[0][lamp] += 0.01;
+    let emission = scene.patch_emissions();
+    let lamp = emission.iter().position(|e| e.x > 1.0).unwrap();
+    for row in factors.iter_mut().filter(|row| row[lamp] > 0.0) {
+        row[lamp] += 0.01;
+    }
     let wrong = dense_solution(&scene, &factors);
     for method in METHODS {
-        // Ten times what any of the solvers may differ by there.
         let error = relative_difference(method, &scene, &wrong, &exact);
-        assert!(error > 10.0 * AGREEMENT, "{method:?}: {error:e}");
+        assert!(error > AGREEMENT, "{method:?}: {error:e}");
     }
 }
 
 /// A change x becomes rho F x, and rows sum to 1: the largest change falls by the largest reflectance.
 #[test]
 fn jacobi_largest_change_falls_by_the_reflectance_in_a_closed_room() {
-    for reflectance in [0.3, 0.7, 0.95] {
+    for reflectance in [0.3_f32, 0.7, 0.95] {
         let materials = vec![
             common::material(reflectance, 0.0),
             common::material(0.5 * reflectance, 2.0),
@@ -371,7 +156,7 @@ fn jacobi_largest_change_falls_by_the_reflectance_in_a_closed_room() {
 /// residual's denominator does too.
 #[test]
 fn jacobi_residual_never_grows_in_a_closed_room_of_one_reflectance() {
-    for reflectance in [0.3, 0.6, 0.8] {
+    for reflectance in [0.3_f32, 0.6, 0.8] {
         let materials = vec![
             common::material(reflectance, 0.0),
             common::material(reflectance, 2.0),
@@ -402,10 +187,7 @@ fn jacobi_residual_never_grows_in_a_closed_room_of_one_reflectance() {
 fn unshot_power_never_increases() {
     let scene = common::colourful_room(0.3);
     let patches = f64::from(scene.patch_count());
-    let reflectances = scene.patch_reflectances();
-    let rho = reflectances
-        .iter()
-        .fold(0.0, |most, r| f32::max(most, r.max_element()));
+    let rho = largest_reflectance(&scene);
     let mut rows = rows(&scene, u64::MAX);
     let mut solver = solver(Method::Shooting, &scene, Solution::dark(&scene));
     // Before the first shot all that is emitted is unshot.

@@ -2,10 +2,11 @@
 
 use std::time::Instant;
 
+use compute::lamps::with_lamps;
 use compute::problem::Problem;
 use compute::report::{self, Closure};
 use compute::row_cache::RowCache;
-use compute::settings::{BackendChoice, FormFactorSettings, Maps, Points};
+use compute::settings::{BackendChoice, FormFactorSettings, LampViews, Maps, Points};
 use compute::solver::{Gather, Solver, Update};
 use scene::{Scene, Solution};
 
@@ -46,7 +47,8 @@ pub fn solve(scene: &Scene, resolution: u32, backend: BackendChoice) -> anyhow::
         points: Points::CENTROID,
     };
     let backend = compute::backend::open(scene, settings, backend)?;
-    let mut rows = RowCache::new(scene, backend.source, settings, MEMORY_BYTES);
+    let source = with_lamps(scene, settings, LampViews::Auto, backend.source);
+    let mut rows = RowCache::new(scene, source, settings, MEMORY_BYTES);
     let problem = Problem::new(scene);
     let mut solver = Gather::new(problem, Update::AfterIteration, Solution::dark(scene));
     let mut states = Vec::new();

@@ -81,12 +81,25 @@ impl Projection {
         cull: Cull,
         tolerance: f64,
     ) {
+        let all = (0..scene.surfaces().len() as u32)
+            .map(SurfaceId)
+            .filter(|&id| own != Some(id));
+        self.set_some(scene, frame, all, horizon, cull, tolerance);
+    }
+
+    /// The same for some surfaces only.
+    pub fn set_some(
+        &mut self,
+        scene: &Scene,
+        frame: &Frame,
+        surfaces: impl Iterator<Item = SurfaceId>,
+        horizon: bool,
+        cull: Cull,
+        tolerance: f64,
+    ) {
         self.surfaces.clear();
-        for (index, surface) in scene.surfaces().iter().enumerate() {
-            let id = SurfaceId(index as u32);
-            if own == Some(id) {
-                continue;
-            }
+        for id in surfaces {
+            let surface = scene.surface(id);
             let [q0, q1, q2] = surface.corners.map(|p| frame.to_local(p.as_dvec3()));
             if horizon && q0.z.max(q1.z).max(q2.z) <= tolerance {
                 continue;

@@ -1,8 +1,12 @@
 //! Small scenes made by hand, and the program by its command line.
 #![allow(dead_code)] // each test file uses some of them
 
+pub mod methods;
+
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 use glam::{DVec3, Vec3};
 use scene::{Material, MaterialId, ObjectId, Rgb, Scene, Solution, Surface};
@@ -150,6 +154,13 @@ pub fn folder() -> TempDir {
     tempfile::tempdir().unwrap()
 }
 
+/// A folder with a closed room in `in.rad`.
+pub fn folder_with_room() -> TempDir {
+    let folder = folder();
+    save(folder.path(), "in.rad", &colourful_room(0.5));
+    folder
+}
+
 /// Writes a scene without a solution.
 pub fn save(folder: &Path, name: &str, scene: &Scene) -> PathBuf {
     let path = folder.join(name);
@@ -220,4 +231,36 @@ pub fn files(folder: &Path) -> Vec<String> {
         .collect();
     names.sort();
     names
+}
+
+/// Nothing here takes a hundredth of it; a test that waits longer has found a defect.
+const PATIENCE: Duration = Duration::from_mins(1);
+
+/// Asks until it is true.
+#[track_caller]
+pub fn wait_until(mut is_so: impl FnMut() -> bool) {
+    let start = Instant::now();
+    while !is_so() {
+        assert!(start.elapsed() < PATIENCE, "waited for nothing");
+        sleep(Duration::from_millis(2));
+    }
+}
+
+/// Sends a signal by name, as a user's shell would.
+pub fn signal(child: &Child, name: &str) {
+    let sent = Command::new("kill")
+        .args([format!("-{name}"), child.id().to_string()])
+        .status();
+    assert!(sent.unwrap().success());
+}
+
+/// Waits until a run holds the lock of its output, so that it listens to Ctrl-C too.
+pub fn wait_for_lock(folder: &Path, output: &str) {
+    wait_until(|| folder.join(format!(".{output}.lock")).exists());
+}
+
+/// A run that goes on until it is stopped, drawing all rows again in each iteration.
+pub fn start_endless(folder: &Path, input: &str, output: &str, more: &[&str]) -> Child {
+    let arguments = [input, output, "32", "--tolerance", "0", "--memory", "0KiB"];
+    start(folder, &[&arguments[..], more].concat())
 }

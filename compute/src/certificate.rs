@@ -1,0 +1,408 @@
+//! What a run can certify about its own form factors, without knowing the exact ones.
+//!
+//! # Theory
+//! Exact form factors obey two laws. A row sums to 1 less what its patch sees of openings (closure).
+//! And what all patches send to patch j, by reciprocity A_i F_ij = A_j F_ji, is what j sees of them:
+//!
+//! sum_i A_i F_ij = A_j sum_i F_ji
+//!
+//! (Cohen and Wallace, "Radiosity and realistic image synthesis", 1993). The left side is
+//! sampled by everybody else's hemicubes, the right side by j's own, so their relative difference,
+//! over the larger of the two, is an error of the form factors that normalising rows cannot hide. Its
+//! root mean square over the patches, by area, is the aggregated reciprocity error. Errors that both
+//! sides share, as in a symmetric scene, do not show.
+//!
+//! The backs of surfaces are black. A patch that sees one loses power to a leak or to wrong winding.
+//! Patches that no other patch sees (the floor below a box, the bottom of the box) have no part in
+//! the exchange, whatever they see; they are left out of the shares of openings and of back faces.
+//!
+//! # Practice
+//! Sums over rows are integers, which do not depend on the order in which rows are drawn, nor on
+//! threads; each row counts once. Who is to blame is found by drawing a few hemicubes again.
+
+mod culprit;
+mod received;
+
+use scene::{PatchId, Scene};
+use serde::Serialize;
+
+use crate::row_cache::RowCache;
+use crate::settings::FormFactorSettings;
+use culprit::{Loss, culprit};
+
+pub use received::Received;
+
+/// A scene looks closed when its patches see less than this of openings, dimensionless: a convex room's
+/// do when holes take less than this share of its walls, and what is left open on purpose is larger.
+pub const LOOKS_CLOSED: f64 = 0.02;
+
+/// The most that the patches of a scene that looks closed may see of openings, dimensionless. Walls
+/// that share corners leak nothing at all; this leaves room for a few pixels between walls that meet
+/// within rounding only.
+pub const OPEN_SHARE_TOLERANCE: f64 = 1e-6;
+
+/// The most that patches may see of back faces, dimensionless. Back faces are black, so this is also
+/// the relative error that they may bring to an irradiance: as much as unoccluded form factors may
+/// have.
+pub const BACK_FACE_SHARE_TOLERANCE: f64 = 1e-3;
+
+/// The most by which power emitted and power absorbed and lost may differ, relative to that emitted. Both
+/// what is not converged and what is not reciprocal shows here, and neither may move the scene's mean
+/// radiosity by more than a percent.
+pub const IMBALANCE_TOLERANCE: f64 = 0.01;
+
+/// The most by which a patch's form factors and what it sees of openings and backs may miss 1, together,
+/// dimensionless. They are integers that do not miss it at all; this leaves room for rounding them a
+/// few thousand times.
+pub const CLOSURE_TOLERANCE: f64 = 1e-6;
+
+/// The most for the aggregated reciprocity error, dimensionless. Tuned: a box, a columned room and fine
+/// meshes of the Cornell box, whose power balances are right to half a percent, have 0.6 to 2.8 percent; a
+/// coarser Cornell box, off by 2.7 percent, has 6.5; one of a few large patches, off by 25, has 19.
+pub const RECIPROCITY_TOLERANCE: f64 = 0.05;
+
+/// What a run knows of the quality of its form factors and of its solution.
+#[derive(Clone, Debug, Serialize)]
+pub struct Certificate {
+    /// Rows drawn in this run; where they are not all, what needs all of them is null.
+    pub rows_drawn: u32,
+    /// Patches that no other patch sees; null unless all rows were drawn.
+    pub hidden_patches: Option<u32>,
+    /// Mean share of a hemisphere that sees nothing, by area, of the patches that are not hidden; null
+    /// where no row was drawn.
+    pub open_share: Option<f64>,
+    /// The same of back faces.
+    pub back_face_share: Option<f64>,
+    /// Whether `open_share` is below [`LOOKS_CLOSED`].
+    pub looks_closed: Option<bool>,
+    /// Largest |row sum + openings + back faces - 1| of a patch whose row was drawn, dimensionless.
+    pub closure_error: f64,
+    /// Null unless all rows were drawn.
+    pub reciprocity: Option<Reciprocity>,
+    /// Openings of a scene that looks closed; null where there are none.
+    pub opening: Option<Finding>,
+    /// Back faces that patches see; null where there are none.
+    pub back_faces: Option<Finding>,
+    /// Share of the emitted power that is neither absorbed nor lost; null as in the power balance.
+    pub imbalance: Option<f64>,
+    /// What is beyond the tolerances of `--strict`.
+    pub violations: Vec<String>,
+}
+
+/// How well A_j sum_i F_ji and sum_i A_i F_ij agree. Relative differences are over the larger one.
+#[derive(Clone, Debug, Serialize)]
+pub struct Reciprocity {
+    /// Root mean square of the relative difference, by area, dimensionless.
+    pub rms: f64,
+    /// The patch with the largest relative difference.
+    pub worst_patch: u32,
+    /// What it is part of.
+    pub worst_object: String,
+    /// (received - sent) over the larger, dimensionless, -1 to 1: positive where the others see more of
+    /// the patch than it sees of them.
+    pub worst: f64,
+}
+
+/// Where power is lost, and the likely cause.
+#[derive(Clone, Debug, Serialize)]
+pub struct Finding {
+    /// Mean share of a hemisphere, by area, dimensionless.
+    pub share: f64,
+    /// The object whose backs are seen most, or whose fronts border most on the opening; null where
+    /// drawing again has not met any.
+    pub culprit: Option<String>,
+    /// The patch that loses most.
+    pub worst_patch: u32,
+    /// What it is part of.
+    pub worst_object: String,
+    /// Share of its hemisphere, dimensionless.
+    pub worst_share: f64,
+}
+
+/// What the rows drawn so far certify, together with the solution's `imbalance` and last `residual`.
+pub fn certify(
+    scene: &Scene,
+    rows: &RowCache,
+    settings: FormFactorSettings,
+    imbalance: Option<f64>,
+    residual: Option<f64>,
+) -> Certificate {
+    let areas = scene.patch_areas();
+    let rows_drawn = rows.unseen().iter().flatten().count() as u32;
+    let all_drawn = rows_drawn == scene.patch_count();
+    let hidden = (0..areas.len())
+        .filter(|&j| !rows.received().is_seen(j))
+        .count() as u32;
+    // Where nobody sees anybody, as around a solid, there is no exchange to be left out of.
+    let leave_out_hidden = all_drawn && hidden < scene.patch_count();
+    let counts = |j: usize| !leave_out_hidden || rows.received().is_seen(j);
+
+    let mean_share = |loss| {
+        let (mut lost, mut whole) = (0.0, 0.0);
+        for (j, share) in shares(rows, loss).filter(|&(j, _)| counts(j)) {
+            lost += areas[j] * share;
+            whole += areas[j];
+        }
+        (whole > 0.0).then(|| lost / whole)
+    };
+    let open_share = mean_share(Loss::Opening);
+    let back_face_share = mean_share(Loss::BackFaces);
+    let looks_closed = open_share.map(|share| share < LOOKS_CLOSED);
+
+    let find = |loss, share: Option<f64>| {
+        let share = share.filter(|&share| share > 0.0)?;
+        let mut worst: Vec<(usize, f64)> = shares(rows, loss)
+            .filter(|&(j, share)| share > 0.0 && counts(j))
+            .collect();
+        worst.sort_by(|(a, x), (b, y)| y.total_cmp(x).then(a.cmp(b)));
+        let &(patch, worst_share) = worst.first()?;
+        Some(Finding {
+            share,
+            culprit: culprit(scene, settings, loss, &worst),
+            worst_patch: patch as u32,
+            worst_object: object_name(scene, patch),
+            worst_share,
+        })
+    };
+    let mut certificate = Certificate {
+        rows_drawn,
+        hidden_patches: all_drawn.then_some(hidden),
+        open_share,
+        back_face_share,
+        looks_closed,
+        closure_error: closure_error(rows),
+        reciprocity: all_drawn.then(|| reciprocity(scene, &areas, rows)),
+        opening: if looks_closed == Some(true) {
+            find(Loss::Opening, open_share)
+        } else {
+            None
+        },
+        back_faces: find(Loss::BackFaces, back_face_share),
+        imbalance,
+        violations: Vec::new(),
+    };
+    certificate.violations = certificate.violations(scene.patch_count(), residual);
+    certificate
+}
+
+/// The share of its hemisphere that each patch loses, of those whose row was drawn.
+fn shares(rows: &RowCache, loss: Loss) -> impl Iterator<Item = (usize, f64)> {
+    let units_per_one = f64::from(rows.units_per_one());
+    rows.unseen()
+        .iter()
+        .enumerate()
+        .filter_map(move |(j, unseen)| {
+            let unseen = (*unseen)?;
+            let units = match loss {
+                Loss::Opening => unseen.open,
+                Loss::BackFaces => unseen.back_face,
+            };
+            Some((j, f64::from(units) / units_per_one))
+        })
+}
+
+/// How far any patch's hemisphere is from being accounted for.
+fn closure_error(rows: &RowCache) -> f64 {
+    let units_per_one = rows.units_per_one();
+    shares(rows, Loss::Opening)
+        .zip(shares(rows, Loss::BackFaces))
+        .map(|((j, open), (_, back_face))| {
+            (rows.received().row_sum(j, units_per_one) + open + back_face - 1.0).abs()
+        })
+        .fold(0.0, f64::max)
+}
+
+fn object_name(scene: &Scene, patch: usize) -> String {
+    let surface = scene.mesh().surface_of(PatchId(patch as u32));
+    scene.object(scene.surface(surface).object).to_owned()
+}
+
+fn reciprocity(scene: &Scene, areas: &[f64], rows: &RowCache) -> Reciprocity {
+    let units_per_one = rows.units_per_one();
+    let (mut squares, mut whole) = (0.0, 0.0);
+    let (mut worst_patch, mut worst) = (0, 0.0_f64);
+    for (j, &area) in areas.iter().enumerate() {
+        let sent = area * rows.received().row_sum(j, units_per_one);
+        let received = rows.received().area(j, units_per_one);
+        let larger = sent.max(received);
+        let difference = if larger > 0.0 {
+            (received - sent) / larger
+        } else {
+            0.0
+        };
+        squares += area * difference * difference;
+        whole += area;
+        if difference.abs() > worst.abs() {
+            (worst_patch, worst) = (j, difference);
+        }
+    }
+    Reciprocity {
+        rms: (squares / whole).sqrt(),
+        worst_patch: worst_patch as u32,
+        worst_object: object_name(scene, worst_patch),
+        worst,
+    }
+}
+
+impl Certificate {
+    fn violations(&self, patches: u32, residual: Option<f64>) -> Vec<String> {
+        let mut violations = Vec::new();
+        if self.rows_drawn < patches {
+            violations.push(format!(
+                "only {} of {patches} rows of form factors were drawn in this run",
+                self.rows_drawn
+            ));
+        }
+        if self.closure_error > CLOSURE_TOLERANCE {
+            violations.push(format!(
+                "a patch's form factors, with openings and back faces, sum to 1 only to {} (at most {})",
+                percent(self.closure_error),
+                percent(CLOSURE_TOLERANCE)
+            ));
+        }
+        if let Some(finding) = &self.opening
+            && finding.share > OPEN_SHARE_TOLERANCE
+        {
+            violations.push(format!(
+                "{} (at most {})",
+                finding.opening(),
+                percent(OPEN_SHARE_TOLERANCE)
+            ));
+        }
+        if let Some(finding) = &self.back_faces
+            && finding.share > BACK_FACE_SHARE_TOLERANCE
+        {
+            violations.push(format!(
+                "{} (at most {})",
+                finding.back_faces(),
+                percent(BACK_FACE_SHARE_TOLERANCE)
+            ));
+        }
+        if let Some(imbalance) = self.imbalance
+            && imbalance.abs() > IMBALANCE_TOLERANCE
+        {
+            let residual = residual.map_or_else(
+                || "no iteration was done".to_owned(),
+                |residual| format!("the residual is {residual:.1e}"),
+            );
+            violations.push(format!(
+                "{} of the emitted power is neither absorbed nor lost (at most {}); {residual}: \
+                 iterate longer, or use more --points or smaller patches",
+                percent(imbalance),
+                percent(IMBALANCE_TOLERANCE)
+            ));
+        }
+        if let Some(reciprocity) = &self.reciprocity
+            && reciprocity.rms > RECIPROCITY_TOLERANCE
+        {
+            violations.push(format!(
+                "the form factors miss reciprocity by {} rms (at most {}), patch {} of \"{}\" by {}: \
+                 use a higher resolution, more --points or smaller patches",
+                percent(reciprocity.rms),
+                percent(RECIPROCITY_TOLERANCE),
+                reciprocity.worst_patch,
+                reciprocity.worst_object,
+                percent(reciprocity.worst),
+            ));
+        }
+        violations
+    }
+
+    /// Openings and back faces, with the likely culprits, whatever the tolerances.
+    pub fn warnings(&self) -> Vec<String> {
+        let opening = self.opening.as_ref().map(Finding::opening);
+        let back_faces = self.back_faces.as_ref().map(Finding::back_faces);
+        opening.into_iter().chain(back_faces).collect()
+    }
+
+    /// One line for people.
+    pub fn summary(&self) -> String {
+        let mut parts = Vec::new();
+        if let Some(share) = self.open_share {
+            parts.push(format!("openings {}", percent(share)));
+        }
+        if let Some(share) = self.back_face_share {
+            parts.push(format!("back faces {}", percent(share)));
+        }
+        if let Some(reciprocity) = &self.reciprocity {
+            parts.push(format!(
+                "reciprocity error {} rms, {} at worst",
+                percent(reciprocity.rms),
+                percent(reciprocity.worst.abs())
+            ));
+        }
+        if let Some(imbalance) = self.imbalance {
+            parts.push(format!("imbalance {}", percent(imbalance)));
+        }
+        parts.push(
+            match self.violations.len() {
+                0 => "within tolerances",
+                _ if self.reciprocity.is_none() => "not all rows drawn",
+                _ => "beyond tolerances",
+            }
+            .to_owned(),
+        );
+        parts.join(", ")
+    }
+}
+
+impl Finding {
+    fn opening(&self) -> String {
+        let culprit = self.culprit.as_ref().map_or_else(String::new, |object| {
+            format!(", beside the surfaces of \"{object}\"")
+        });
+        format!(
+            "{} of what patches see is an opening{culprit}, in a scene that looks closed; patch {} of \
+             \"{}\" loses most, {}",
+            percent(self.share),
+            self.worst_patch,
+            self.worst_object,
+            percent(self.worst_share),
+        )
+    }
+
+    fn back_faces(&self) -> String {
+        let culprit = self
+            .culprit
+            .as_ref()
+            .map_or_else(String::new, |object| format!(", mostly of \"{object}\""));
+        format!(
+            "{} of what patches see are backs of surfaces{culprit}; patch {} of \"{}\" sees most, {}",
+            percent(self.share),
+            self.worst_patch,
+            self.worst_object,
+            percent(self.worst_share),
+        )
+    }
+}
+
+/// A share in percent, to three digits.
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    match percent.abs() {
+        0.0 => "0 %".to_owned(),
+        x if x < 1e-3 => format!("{percent:.1e} %"),
+        x => {
+            let digits = (2.0 - x.log10().floor()).clamp(0.0, 5.0) as usize;
+            format!("{percent:.digits$} %")
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_show_three_digits() {
+        for (share, text) in [
+            (0.0, "0 %"),
+            (1.0, "100 %"),
+            (-0.027_34, "-2.73 %"),
+            (0.000_123_4, "0.0123 %"),
+            (1e-6, "1.0e-4 %"),
+        ] {
+            assert_eq!(percent(share), text);
+        }
+    }
+}

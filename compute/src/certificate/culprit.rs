@@ -1,0 +1,122 @@
+//! Which object is to blame for power that is lost.
+//!
+//! The item buffers that rows are made of do not tell whose back a pixel sees, nor what an opening is a
+//! hole in. So the hemicubes of the few patches that lose most are drawn again, on the CPU: to blame is
+//! the object whose backs fill most of their view, or whose fronts border most of the pixels that see
+//! nothing.
+
+use scene::{ObjectId, PatchId, Scene, SurfaceId};
+
+use crate::cpu::{Cull, Projection, Raster, Sample, plane_tolerance};
+use crate::delta_form_factors::DeltaFormFactors;
+use crate::hemicube;
+use crate::settings::FormFactorSettings;
+
+/// What hemispheres can lose power to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Loss {
+    /// What sees nothing.
+    Opening,
+    /// What sees the backs of surfaces, which are black.
+    BackFaces,
+}
+
+/// The most pixels that are drawn to find who is to blame, unless a single hemicube has more: a fraction
+/// of a second's work.
+const MAX_PIXELS: usize = 1 << 23;
+
+/// The object that is to blame for what the `worst` patches, worst first, lose.
+pub(super) fn culprit(
+    scene: &Scene,
+    settings: FormFactorSettings,
+    loss: Loss,
+    worst: &[(usize, f64)],
+) -> Option<String> {
+    let mut blame = Blame {
+        scene,
+        loss,
+        shares: vec![0; scene.objects().len()],
+    };
+    let units = settings.units_per_hemicube();
+    let delta_form_factors = DeltaFormFactors::new(settings.maps, settings.resolution, units);
+    let tolerance = plane_tolerance(scene);
+    let (mut projection, mut raster) = (Projection::default(), Raster::default());
+    let mut pixels = 0;
+    'patches: for &(patch, _) in worst {
+        let patch = PatchId(patch as u32);
+        let own = scene.mesh().surface_of(patch);
+        for frame in hemicube::frames(scene, patch, settings.points) {
+            if pixels > 0 && pixels + hemicube::pixel_count(settings.resolution) > MAX_PIXELS {
+                break 'patches;
+            }
+            pixels += hemicube::pixel_count(settings.resolution);
+            projection.set(scene, &frame, Some(own), true, Cull::Nothing, tolerance);
+            let windows = hemicube::windows(settings.resolution);
+            for (face, window) in windows.iter().enumerate() {
+                raster.draw(&projection, window);
+                let factors = delta_form_factors.face(face);
+                let mut below = vec![Sample::Nothing; window.width];
+                for j in 0..window.height {
+                    let row: Vec<Sample> = (0..window.width)
+                        .map(|i| raster.sample(&projection, i, j))
+                        .collect();
+                    blame.take(
+                        &row,
+                        (j > 0).then_some(&below),
+                        &factors[j * window.width..],
+                    );
+                    below = row;
+                }
+            }
+        }
+    }
+    let (object, &most) = blame
+        .shares
+        .iter()
+        .enumerate()
+        .max_by_key(|&(object, &share)| (share, std::cmp::Reverse(object)))?;
+    (most > 0).then(|| scene.object(ObjectId(object as u32)).to_owned())
+}
+
+/// Counts what objects have to do with a loss.
+struct Blame<'a> {
+    scene: &'a Scene,
+    loss: Loss,
+    /// One per object: units of form factors of its backs, or pixels of its fronts beside openings.
+    shares: Vec<u64>,
+}
+
+impl Blame<'_> {
+    /// A row of pixels, the one below it if there is one, and its delta form factors.
+    fn take(&mut self, row: &[Sample], below: Option<&Vec<Sample>>, delta_form_factors: &[u32]) {
+        match self.loss {
+            Loss::BackFaces => {
+                for (sample, &units) in row.iter().zip(delta_form_factors) {
+                    if let &Sample::BackFace(surface) = sample {
+                        self.add(surface, u64::from(units));
+                    }
+                }
+            }
+            Loss::Opening => {
+                for pair in row.windows(2) {
+                    self.border(&pair[0], &pair[1]);
+                }
+                for (sample, below) in row.iter().zip(below.into_iter().flatten()) {
+                    self.border(sample, below);
+                }
+            }
+        }
+    }
+
+    fn border(&mut self, a: &Sample, b: &Sample) {
+        if let (Sample::Nothing, &Sample::Front { surface, .. })
+        | (&Sample::Front { surface, .. }, Sample::Nothing) = (a, b)
+        {
+            self.add(surface, 1);
+        }
+    }
+
+    fn add(&mut self, surface: SurfaceId, share: u64) {
+        self.shares[self.scene.surface(surface).object.index()] += share;
+    }
+}

@@ -1,0 +1,124 @@
+//! What the rows of form factors send to each patch.
+//!
+//! Areas are rounded to 2^-63 of the largest, so that A_i F_ij are integers: their sums do not depend
+//! on the order in which rows are drawn, nor on threads.
+
+use rayon::prelude::*;
+
+use crate::rows::RowBatch;
+
+/// sum_i A_i F_ij and sum_i F_ji for every patch j, over the rows that were added.
+#[derive(Clone, Debug)]
+pub struct Received {
+    /// In units of `unit`, one per patch.
+    areas: Vec<u64>,
+    /// m^2.
+    unit: f64,
+    /// In units of `unit`/`units_per_one`, one per patch. At most 2^63 2^32 2^24.
+    sums: Vec<u128>,
+    /// In units of 1/`units_per_one`, one per patch; 0 for rows that were not added.
+    row_sums: Vec<u64>,
+}
+
+/// Patches whose sums a thread adds up by itself: fewer are not worth the search for their entries.
+const MIN_PATCHES_PER_TASK: usize = 4096;
+
+impl Received {
+    /// No rows yet. `areas` has one element per patch, m^2.
+    pub fn new(areas: &[f64]) -> Self {
+        let unit = areas.iter().copied().fold(0.0, f64::max) / (1_u64 << 63) as f64;
+        Self {
+            areas: areas.iter().map(|area| (area / unit) as u64).collect(),
+            unit,
+            sums: vec![0; areas.len()],
+            row_sums: vec![0; areas.len()],
+        }
+    }
+
+    /// Adds the rows of those of the batch's patches, counted from its first, that are `new`.
+    pub fn add(&mut self, batch: &RowBatch, new: impl Fn(usize) -> bool + Sync) {
+        let range = batch.patches();
+        let range = range.start as usize..range.end as usize;
+        let row_sums = self.row_sums[range.clone()].par_iter_mut().enumerate();
+        row_sums.filter(|(k, _)| new(*k)).for_each(|(k, sum)| {
+            *sum = batch
+                .row(k)
+                .iter()
+                .map(|entry| u64::from(entry.units))
+                .sum();
+        });
+        let areas = &self.areas[range];
+        let per_task = self
+            .sums
+            .len()
+            .div_ceil(rayon::current_num_threads())
+            .max(MIN_PATCHES_PER_TASK);
+        let tasks = self.sums.par_chunks_mut(per_task).enumerate();
+        tasks.for_each(|(task, sums)| {
+            let first = (task * per_task) as u32;
+            for (k, &area) in areas.iter().enumerate().filter(|(k, _)| new(*k)) {
+                let row = batch.row(k);
+                let start = row.partition_point(|entry| entry.patch < first);
+                for entry in &row[start..] {
+                    let Some(sum) = sums.get_mut((entry.patch - first) as usize) else {
+                        break;
+                    };
+                    *sum += u128::from(area) * u128::from(entry.units);
+                }
+            }
+        });
+    }
+
+    /// sum_i A_i F_ij, m^2.
+    pub fn area(&self, patch: usize, units_per_one: u32) -> f64 {
+        self.sums[patch] as f64 / f64::from(units_per_one) * self.unit
+    }
+
+    /// sum_i F_ji of patch j, dimensionless; 0 where its row was not added.
+    pub fn row_sum(&self, patch: usize, units_per_one: u32) -> f64 {
+        self.row_sums[patch] as f64 / f64::from(units_per_one)
+    }
+
+    /// True where a row that was added sees the patch.
+    pub fn is_seen(&self, patch: usize) -> bool {
+        self.sums[patch] > 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rows::{Entry, Unseen};
+
+    /// More patches than one task adds up, and rows with gaps, one of which does not count.
+    #[test]
+    fn tasks_add_up_what_one_loop_does() {
+        let count = 3 * MIN_PATCHES_PER_TASK + 17;
+        let areas: Vec<f64> = (0..count).map(|j| 1.0 / (1.0 + j as f64)).collect();
+        let mut batch = RowBatch::new(5);
+        let mut expected = vec![0.0; count];
+        for k in 0..40 {
+            let row: Vec<Entry> = (k..count)
+                .step_by(1 + 7 * k)
+                .map(|j| Entry {
+                    patch: j as u32,
+                    units: (j * k + 1) as u32,
+                })
+                .collect();
+            if k != 3 {
+                for entry in &row {
+                    expected[entry.patch as usize] += areas[5 + k] * f64::from(entry.units);
+                }
+            }
+            batch.push(&row, Unseen::default());
+        }
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(4).build();
+        let mut received = Received::new(&areas);
+        pool.unwrap().install(|| received.add(&batch, |k| k != 3));
+        for (j, expected) in expected.iter().enumerate() {
+            // 40 additions of f64; the integer sums are exact but for the areas' rounding.
+            let error = (received.area(j, 1) - expected).abs();
+            assert!(error <= 1e-14 * expected, "{j}: {error}");
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! The command line of `compute verify`, turned into [`verify::Settings`].
+
+use clap::Args;
+
+use super::{choice, parse_points, parse_resolution};
+use crate::settings::{FormFactorSettings, LampViews, Maps, Points};
+use crate::verify::{Accuracy, Backends, Format, Settings, VerifyError, select};
+
+/// Show how far this program is from answers that are known, case by case
+///
+/// Measures a bank of cases: form factors in closed form, closed rooms, furnaces, solvers against a
+/// dense linear solve. Prints a line a case: name, quantity, expected value and its source, computed
+/// value, relative error (absolute where 0 is expected), tolerance, verdict. Tolerances are those of
+/// the default settings. Exit codes: 0 all cases hold, 1 some case misses, 2 wrong usage.
+#[derive(Debug, Args)]
+pub(super) struct VerifyArguments {
+    /// Pixels along a hemicube's face: even, 2 to 4096
+    #[arg(value_name = "RESOLUTION", default_value = "128", value_parser = parse_resolution)]
+    resolution: u32,
+    /// Where a patch's hemicubes stand, as in a run
+    #[arg(long, default_value = "centroid", value_parser = parse_points)]
+    points: Points,
+    /// Exact views of lamps beside the hemicube, as in a run
+    #[arg(long, default_value = "auto", value_parser = choice(&[
+        ("auto", LampViews::Auto), ("off", LampViews::Off), ("all", LampViews::All)]))]
+    lamps: LampViews,
+    /// What the pixels count, as in a run
+    #[arg(long, default_value = "exact", value_parser = choice(&[
+        ("exact", Maps::Exact), ("thesis", Maps::Thesis)]))]
+    maps: Maps,
+    /// Who draws: cpu, gpu, or all; a software GPU counts only where gpu or all asks for it. If not
+    /// given: cpu, and the GPU where there is a real one
+    #[arg(long, value_parser = choice(&[
+        ("cpu", Backends::Cpu), ("gpu", Backends::Gpu), ("all", Backends::All)]))]
+    backend: Option<Backends>,
+    /// Only the case of this name, or those with this in their names
+    #[arg(long, value_name = "NAME")]
+    case: Option<String>,
+    /// Write JSON: an array with one object a case
+    #[arg(long, conflicts_with = "markdown")]
+    json: bool,
+    /// Write the document on accuracy: all cases, the thesis's multipliers, error against resolution
+    /// and points
+    #[arg(long)]
+    markdown: bool,
+}
+
+impl VerifyArguments {
+    /// What is asked for; a pattern that fits no case is an error.
+    pub fn settings(self) -> Result<Settings, VerifyError> {
+        select(self.case.as_deref())?;
+        Ok(Settings {
+            accuracy: Accuracy {
+                form_factors: FormFactorSettings {
+                    resolution: self.resolution,
+                    maps: self.maps,
+                    points: self.points,
+                },
+                lamps: self.lamps,
+            },
+            backends: self.backend.unwrap_or(Backends::Available),
+            case: self.case,
+            format: match (self.json, self.markdown) {
+                (true, _) => Format::Json,
+                (_, true) => Format::Markdown,
+                _ => Format::Text,
+            },
+        })
+    }
+}

@@ -1,0 +1,288 @@
+//! Looking at lamps from the points of a patch.
+
+use std::ops::Range;
+
+use glam::DVec3;
+use scene::{PatchId, Scene, SurfaceId};
+
+use super::find::Lamp;
+use super::merge::{is_in, merge};
+use crate::cpu::{Cull, Projection, Raster, plane_tolerance};
+use crate::hemicube::{self, Frame, Window};
+use crate::polygon_form_factor::{above_horizon, point_to_triangle};
+use crate::rows::{Entry, Unseen};
+use crate::settings::FormFactorSettings;
+
+/// Share of the unhidden light of all lamps from which on one has its own view.
+const LEAST_SHARE: f64 = 0.01;
+
+/// Views a point at most.
+const MOST_VIEWS: usize = 8;
+
+/// Pixels along the longer side of a view. Tuned on a columned room: 32 and 64 differ by less than the
+/// patches' own size does.
+const VIEW_PIXELS: usize = 32;
+
+/// The widest view, as the tangent of half its angle; a lamp that is closer or larger covers so much of
+/// the hemicube that it needs no view of its own.
+const WIDEST: f64 = 2.0;
+
+/// Views lamps for one thread.
+pub(super) struct LampViewer<'a> {
+    scene: &'a Scene,
+    settings: FormFactorSettings,
+    lamps: &'a [Lamp],
+    all: bool,
+    plane_tolerance: f64,
+    everything: Projection,
+    lamp_alone: Projection,
+    raster: Raster,
+}
+
+/// What one patch sees of the lamps that matter to it.
+#[derive(Default)]
+pub(super) struct Seen {
+    /// Patches of the lamps with views, ascending ranges.
+    pub replaced: Vec<Range<u32>>,
+    /// Patch and form factor, dimensionless.
+    pub factors: Vec<(u32, f64)>,
+}
+
+impl<'a> LampViewer<'a> {
+    /// A viewer of these lamps; of all of them, if `all`, whether they matter or not.
+    pub fn new(
+        scene: &'a Scene,
+        settings: FormFactorSettings,
+        lamps: &'a [Lamp],
+        all: bool,
+    ) -> Self {
+        Self {
+            scene,
+            settings,
+            lamps,
+            all,
+            plane_tolerance: plane_tolerance(scene),
+            everything: Projection::default(),
+            lamp_alone: Projection::default(),
+            raster: Raster::default(),
+        }
+    }
+
+    /// The row in which the lamps that matter have their own factors.
+    pub fn refine(
+        &mut self,
+        patch: PatchId,
+        row: &[Entry],
+        unseen: Unseen,
+    ) -> (Vec<Entry>, Unseen) {
+        let frames = hemicube::frames(self.scene, patch, self.settings.points);
+        let own = self.scene.mesh().surface_of(patch);
+        let chosen = self.choose(own, &frames);
+        let seen = self.look(own, &frames, &chosen);
+        merge(row, unseen, &seen, self.settings.units_per_one())
+            .unwrap_or_else(|| (row.to_vec(), unseen))
+    }
+
+    /// The lamps that matter to a patch.
+    fn choose(&self, own: SurfaceId, frames: &[Frame]) -> Vec<usize> {
+        let mut possible: Vec<(f64, usize)> = Vec::new();
+        let mut total = 0.0;
+        for (index, lamp) in self.lamps.iter().enumerate() {
+            let form_factor: f64 = if lamp.surfaces.contains(&own) {
+                0.0
+            } else {
+                frames.iter().map(|frame| self.unhidden(frame, lamp)).sum()
+            };
+            let light = lamp.emission * form_factor;
+            total += light;
+            if light > 0.0 {
+                possible.push((light, index));
+            }
+        }
+        // The brightest first; of equals the one with the lower number.
+        possible.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        if !self.all {
+            possible.retain(|(light, _)| *light >= LEAST_SHARE * total);
+            possible.truncate(MOST_VIEWS);
+        }
+        // A lamp that some point sees too wide is left to the hemicube for all of them.
+        let fits = |&index: &usize| {
+            frames.iter().all(|frame| {
+                !self.faces(frame, &self.lamps[index])
+                    || self.window(frame, &self.lamps[index]).is_some()
+            })
+        };
+        possible
+            .into_iter()
+            .map(|(_, index)| index)
+            .filter(fits)
+            .collect()
+    }
+
+    /// True where the point is in front of the lamp's plane.
+    fn faces(&self, frame: &Frame, lamp: &Lamp) -> bool {
+        let surface = self.scene.surface(lamp.surfaces[0]);
+        let height = (frame.position - surface.corners[0].as_dvec3()).dot(surface.normal());
+        height > self.plane_tolerance
+    }
+
+    /// Form factor of a lamp if nothing hides it, dimensionless.
+    fn unhidden(&self, frame: &Frame, lamp: &Lamp) -> f64 {
+        if !self.faces(frame, lamp) {
+            return 0.0;
+        }
+        lamp.surfaces
+            .iter()
+            .map(|&id| point_to_triangle(self.corners(frame, id)))
+            .sum()
+    }
+
+    fn corners(&self, frame: &Frame, surface: SurfaceId) -> [DVec3; 3] {
+        self.scene
+            .surface(surface)
+            .corners
+            .map(|p| frame.to_local(p.as_dvec3()))
+    }
+
+    /// The window that just encloses a lamp's part above the horizon; `None` where that is too wide, or
+    /// nothing.
+    fn window(&self, frame: &Frame, lamp: &Lamp) -> Option<Window> {
+        let corners: Vec<DVec3> = lamp
+            .surfaces
+            .iter()
+            .flat_map(|&id| above_horizon(self.corners(frame, id)))
+            .map(DVec3::normalize_or_zero)
+            .collect();
+        let forward = corners.iter().sum::<DVec3>().normalize_or_zero();
+        let (right, up) = forward.any_orthonormal_pair();
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for q in corners {
+            let w = q.dot(forward);
+            let at = [q.dot(right) / w, q.dot(up) / w];
+            if w <= 0.0 || at.iter().any(|v| v.abs() > WIDEST) {
+                return None;
+            }
+            for k in 0..2 {
+                low[k] = low[k].min(at[k]);
+                high[k] = high[k].max(at[k]);
+            }
+        }
+        let [width, height] = [high[0] - low[0], high[1] - low[1]];
+        let pixel = width.max(height) / VIEW_PIXELS as f64;
+        if !(pixel.is_finite() && pixel > 0.0) {
+            return None;
+        }
+        let pixels = |side: f64| ((side / pixel).ceil() as usize).clamp(1, VIEW_PIXELS);
+        Some(Window {
+            right,
+            up,
+            forward,
+            left: low[0],
+            bottom: low[1],
+            pixel,
+            width: pixels(width),
+            height: pixels(height),
+        })
+    }
+
+    /// The mean over the points of what is seen of the chosen lamps.
+    fn look(&mut self, own: SurfaceId, frames: &[Frame], chosen: &[usize]) -> Seen {
+        let mut seen = Seen::default();
+        for &index in chosen {
+            let trees = self.lamps[index]
+                .surfaces
+                .iter()
+                .map(|&id| self.scene.mesh().tree(id));
+            seen.replaced.extend(trees.map(scene::Tree::patches));
+        }
+        seen.replaced.sort_unstable_by_key(|range| range.start);
+        if chosen.is_empty() {
+            return seen;
+        }
+        for frame in frames {
+            self.everything.set(
+                self.scene,
+                frame,
+                Some(own),
+                true,
+                Cull::Nothing,
+                self.plane_tolerance,
+            );
+            for &index in chosen {
+                self.view(frame, index, 1.0 / frames.len() as f64, &mut seen);
+            }
+        }
+        seen.factors.sort_by_key(|(patch, _)| *patch);
+        seen.factors.dedup_by(|next, kept| {
+            let same = next.0 == kept.0;
+            if same {
+                kept.1 += next.1;
+            }
+            same
+        });
+        seen
+    }
+
+    /// Looks at one lamp from one point and adds what is seen, times `share`.
+    fn view(&mut self, frame: &Frame, index: usize, share: f64, seen: &mut Seen) {
+        let lamp = &self.lamps[index];
+        let form_factor = self.unhidden(frame, lamp);
+        let Some(window) = self.window(frame, lamp).filter(|_| form_factor > 0.0) else {
+            return;
+        };
+        self.lamp_alone.set_some(
+            self.scene,
+            frame,
+            lamp.surfaces.iter().copied(),
+            true,
+            Cull::BackFaces,
+            self.plane_tolerance,
+        );
+        let nothing = u32::MAX;
+        let mut whole = 0.0;
+        self.raster.draw(&self.lamp_alone, &window);
+        self.raster
+            .for_each_row(&self.lamp_alone, nothing, nothing, |j, ids| {
+                whole += (0..ids.len())
+                    .filter(|&i| ids[i] != nothing)
+                    .map(|i| weight(&window, i, j))
+                    .sum::<f64>();
+            });
+        if whole <= 0.0 {
+            return;
+        }
+        let first = seen.factors.len();
+        let replaced = &seen.replaced;
+        let factors = &mut seen.factors;
+        self.raster.draw(&self.everything, &window);
+        let trees: Vec<Range<u32>> = lamp
+            .surfaces
+            .iter()
+            .map(|&id| self.scene.mesh().tree(id).patches())
+            .collect();
+        self.raster
+            .for_each_row(&self.everything, nothing, nothing, |j, ids| {
+                for (i, &id) in ids.iter().enumerate() {
+                    if id == nothing
+                        || !is_in(replaced, id)
+                        || !trees.iter().any(|t| t.contains(&id))
+                    {
+                        continue;
+                    }
+                    let weight = share * form_factor * weight(&window, i, j) / whole;
+                    match factors[first..].last_mut() {
+                        Some((patch, sum)) if *patch == id => *sum += weight,
+                        _ => factors.push((id, weight)),
+                    }
+                }
+            });
+    }
+}
+
+/// A pixel's delta form factor, up to a factor that all pixels share.
+fn weight(window: &Window, i: usize, j: usize) -> f64 {
+    let direction = window.forward
+        + (window.left + (i as f64 + 0.5) * window.pixel) * window.right
+        + (window.bottom + (j as f64 + 0.5) * window.pixel) * window.up;
+    direction.z.max(0.0) / direction.length_squared().powi(2)
+}

@@ -1,0 +1,243 @@
+//! The document on accuracy: the cases, what the thesis's maps make of them, and how errors fall.
+
+use std::fmt::Write;
+
+use super::case::{Case, Measure};
+use super::measure::measure;
+use super::print::{error, number};
+use super::{Accuracy, Outcome, VerifyError, measure_all};
+use crate::settings::{BackendChoice, FormFactorSettings, LampViews, Maps, Points};
+
+/// Resolutions of the table of errors, pixels.
+const RESOLUTIONS: [u32; 5] = [32, 64, 128, 256, 512];
+
+/// Points of the table of errors.
+const POINTS: [Points; 4] = [
+    Points::CENTROID,
+    Points::Vertices,
+    Points::Bisected { bisections: 2 },
+    Points::Bisected { bisections: 4 },
+];
+
+/// Cases of the table of errors: coarse and fine, near and far, blocked and not.
+const SWEPT: [&str; 7] = [
+    "cube of 2 triangles a wall, opposite",
+    "cube of 2 triangles a wall, adjacent",
+    "cube of 128 triangles a wall, adjacent",
+    "coaxial unit squares, separation 0.1",
+    "triangles, generic skew",
+    "box with a plate between floor and ceiling",
+    "cornell box, path tracer",
+];
+
+/// The whole document. The tables of errors are drawn by the first back end.
+pub fn document(
+    outcomes: &[Outcome],
+    cases: &[Case],
+    accuracy: Accuracy,
+    choices: &[BackendChoice],
+) -> Result<String, VerifyError> {
+    let mut text = format!(
+        "# Accuracy\n\n\
+         How far this program is from answers that are known, case by case. Written by\n\n\
+         ```\ncompute verify --markdown > docs/ACCURACY.md\n```\n\n\
+         at {accuracy}. A case goes the whole way a scene goes. Errors are relative, and absolute where 0 is \
+         expected; a tolerance is what the default settings should reach, and why is said below the \
+         table. Row sums cannot replace these cases: factors that are wrong and then normalised sum \
+         to 1 as well.\n"
+    );
+    let backends = unique(outcomes.iter().map(|outcome| outcome.backend));
+    for backend in backends {
+        heading(&mut text, &format!("Cases, {backend}"));
+        let of_backend: Vec<&Outcome> = outcomes.iter().filter(|o| o.backend == backend).collect();
+        cases_table(&mut text, &of_backend);
+    }
+    tolerances(&mut text, cases);
+    thesis(&mut text, outcomes, cases, accuracy, choices)?;
+    sweeps(&mut text, cases, accuracy, choices)?;
+    Ok(text.trim_end().to_owned())
+}
+
+/// Each value once, in the order of first occurrence.
+fn unique<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
+    let mut found = Vec::new();
+    for value in values {
+        if !found.contains(&value) {
+            found.push(value);
+        }
+    }
+    found
+}
+
+fn heading(text: &mut String, title: &str) {
+    line(text, &["\n## ", title, "\n"].concat());
+}
+
+fn line(text: &mut String, content: &str) {
+    // Writing to a string cannot fail.
+    writeln!(text, "{content}").ok();
+}
+
+/// A row of a table; a bar in a cell would end it.
+fn row(text: &mut String, cells: &[&str]) {
+    let cells: Vec<String> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
+    line(text, &format!("| {} |", cells.join(" | ")));
+}
+
+fn cases_table(text: &mut String, outcomes: &[&Outcome]) {
+    let held = outcomes.iter().filter(|outcome| outcome.holds()).count();
+    line(
+        text,
+        &format!(
+            "{held} of {} are within their tolerances.\n",
+            outcomes.len()
+        ),
+    );
+    row(
+        text,
+        &[
+            "case",
+            "quantity",
+            "expected",
+            "source",
+            "computed",
+            "error",
+            "tolerance",
+            "verdict",
+        ],
+    );
+    line(text, "|---|---|--:|---|--:|--:|--:|---|");
+    for outcome in outcomes {
+        let Outcome { case, measured, .. } = outcome;
+        let verdict = if outcome.holds() { "ok" } else { "**miss**" };
+        row(
+            text,
+            &[
+                &case.name,
+                &case.quantity,
+                &number(measured.expected),
+                &case.source,
+                &number(measured.computed),
+                &error(measured.expected, measured.error()),
+                &error(measured.expected, case.tolerance.relative),
+                verdict,
+            ],
+        );
+    }
+}
+
+fn tolerances(text: &mut String, cases: &[Case]) {
+    heading(text, "Tolerances");
+    row(text, &["tolerance", "what it covers", "cases"]);
+    line(text, "|--:|---|--:|");
+    for tolerance in unique(cases.iter().map(|case| case.tolerance)) {
+        let count = cases.iter().filter(|c| c.tolerance == tolerance).count();
+        let shown = format!("{:.1e}", tolerance.relative);
+        row(text, &[&shown, tolerance.reason, &count.to_string()]);
+    }
+}
+
+/// Whether the pixels' multipliers can change what is measured: closed rooms sum to 1 with any.
+fn depends_on_maps(case: &Case) -> bool {
+    matches!(
+        case.measure,
+        Measure::FormFactor { .. } | Measure::Irradiance { .. } | Measure::Reflected { .. }
+    )
+}
+
+fn thesis(
+    text: &mut String,
+    outcomes: &[Outcome],
+    cases: &[Case],
+    accuracy: Accuracy,
+    choices: &[BackendChoice],
+) -> Result<(), VerifyError> {
+    heading(text, "The thesis's multipliers");
+    line(
+        text,
+        "The same cases with `--maps thesis`: 1/r on top and z/r^2 at the sides, normalised. Row sums \
+         and furnaces cannot tell the difference and are left out.\n",
+    );
+    let accuracy = Accuracy {
+        form_factors: FormFactorSettings {
+            maps: Maps::Thesis,
+            ..accuracy.form_factors
+        },
+        // The thesis has none.
+        lamps: LampViews::Off,
+    };
+    let of_thesis = measure_all(cases, accuracy, &choices[..1], |_| ())?;
+    row(
+        text,
+        &[
+            "case",
+            "expected",
+            "thesis",
+            "its error",
+            "error of exact maps",
+        ],
+    );
+    line(text, "|---|--:|--:|--:|--:|");
+    for outcome in of_thesis.iter().filter(|o| depends_on_maps(o.case)) {
+        let exact = outcomes.iter().find(|o| o.case.name == outcome.case.name);
+        let measured = outcome.measured;
+        row(
+            text,
+            &[
+                &outcome.case.name,
+                &number(measured.expected),
+                &number(measured.computed),
+                &error(measured.expected, measured.error()),
+                &exact.map_or_else(String::new, |o| {
+                    error(o.measured.expected, o.measured.error())
+                }),
+            ],
+        );
+    }
+    Ok(())
+}
+
+/// Resolutions and points a case is swept over: fewer where all rows of a room are drawn.
+fn grid(case: &Case) -> (&'static [u32], &'static [Points]) {
+    if matches!(case.measure, Measure::Reflected { .. }) {
+        (&RESOLUTIONS[..4], &POINTS[..3])
+    } else {
+        (&RESOLUTIONS, &POINTS)
+    }
+}
+
+fn sweeps(
+    text: &mut String,
+    cases: &[Case],
+    accuracy: Accuracy,
+    choices: &[BackendChoice],
+) -> Result<(), VerifyError> {
+    heading(text, "Error against resolution and points");
+    for case in cases.iter().filter(|c| SWEPT.contains(&c.name.as_str())) {
+        line(text, &format!("\n{}:\n", case.name));
+        let (resolutions, points) = grid(case);
+        let names: Vec<String> = points.iter().map(Points::to_string).collect();
+        let mut header = vec!["pixels"];
+        header.extend(names.iter().map(String::as_str));
+        row(text, &header);
+        line(text, &format!("|--:|{}", "--:|".repeat(points.len())));
+        for &resolution in resolutions {
+            let mut cells = vec![resolution.to_string()];
+            for &points in points {
+                let accuracy = Accuracy {
+                    form_factors: FormFactorSettings {
+                        resolution,
+                        points,
+                        ..accuracy.form_factors
+                    },
+                    ..accuracy
+                };
+                let (measured, _) = measure(case, accuracy, choices[0])?;
+                cells.push(error(measured.expected, measured.error()));
+            }
+            let cells: Vec<&str> = cells.iter().map(String::as_str).collect();
+            row(text, &cells);
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,276 @@
+//! Measuring a case by the pipeline that solves scenes: back end, rows, solver.
+
+use scene::{Provenance, Rgb, Scene, Solution};
+
+use super::case::{Case, Expected, Measure};
+use super::{Accuracy, VerifyError, dense, path_tracer};
+use crate::backend;
+use crate::lamps::with_lamps;
+use crate::problem::Problem;
+use crate::row_cache::RowCache;
+use crate::rows::Entry;
+use crate::settings::{BackendChoice, SolverChoice};
+use crate::solver::{Gather, Shoot, Solver, Update};
+
+/// What came out, and what should have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// The right value.
+    pub expected: f64,
+    /// The value that came out.
+    pub computed: f64,
+}
+
+impl Measured {
+    /// Departure from the expected value: relative, or absolute where that is 0. Dimensionless.
+    pub fn error(&self) -> f64 {
+        let difference = (self.computed - self.expected).abs();
+        if self.expected == 0.0 {
+            difference
+        } else {
+            difference / self.expected.abs()
+        }
+    }
+}
+
+/// Rows are small here; all of them are kept.
+const MEMORY_BYTES: u64 = 4 << 30;
+
+/// Residual at which a dense solve is compared.
+const DENSE_RESIDUAL: f64 = 1e-7;
+
+/// Residual of a room that is solved for its light, as by default in a run.
+const ROOM_RESIDUAL: f64 = 1e-5;
+
+/// Residual of a furnace, before it grows by 1 / (1 - rho).
+const FURNACE_RESIDUAL: f64 = 1e-6;
+
+/// Far more than any case needs; a solver that does not get there is reported by its error.
+const MOST_ITERATIONS: u64 = 100_000;
+
+/// Measures one case. Also gives the name of the back end that drew.
+pub fn measure(
+    case: &Case,
+    accuracy: Accuracy,
+    choice: BackendChoice,
+) -> Result<(Measured, &'static str), VerifyError> {
+    let scene = case.scene.build()?;
+    let settings = accuracy.form_factors;
+    let backend = backend::open(&scene, settings, choice)?;
+    let name = backend.name;
+    let source = with_lamps(&scene, settings, accuracy.lamps, backend.source);
+    let rows = RowCache::new(&scene, source, settings, MEMORY_BYTES);
+    let mut bench = Bench {
+        scene: &scene,
+        rows,
+    };
+    Ok((bench.measure(case)?, name))
+}
+
+/// A scene and its rows.
+struct Bench<'a> {
+    scene: &'a Scene,
+    rows: RowCache<'a>,
+}
+
+impl Bench<'_> {
+    fn measure(&mut self, case: &Case) -> Result<Measured, VerifyError> {
+        let expected = match case.expected {
+            Expected::Value(value) => value,
+            Expected::DenseSolution => 0.0,
+        };
+        let known = |computed| Measured { expected, computed };
+        let farthest = |values: Vec<f64>| {
+            let off = |value: &f64| (value - expected).abs();
+            let found = values.into_iter().max_by(|a, b| off(a).total_cmp(&off(b)));
+            known(found.unwrap_or(f64::NAN))
+        };
+        Ok(match &case.measure {
+            &Measure::FormFactor { from, to } => known(self.form_factor(from, to)?),
+            &Measure::Irradiance { of } => known(self.irradiance(of)?),
+            Measure::Closure => farthest(self.row_sums()?),
+            Measure::Radiosity => {
+                let rho = 1.0 - 1.0 / expected;
+                let residual = FURNACE_RESIDUAL * (1.0 - rho);
+                let solved = self.solve(SolverChoice::Jacobi, residual)?;
+                farthest(solved.into_iter().map(|b| f64::from(b.x)).collect())
+            }
+            Measure::Reflected {
+                reference,
+                statistic,
+            } => {
+                let solution =
+                    self.iterate(SolverChoice::Jacobi, ROOM_RESIDUAL, MOST_ITERATIONS)?;
+                let problem = Problem::new(self.scene);
+                known(path_tracer::statistic(
+                    *statistic,
+                    &problem,
+                    &solution.irradiance,
+                    reference,
+                ))
+            }
+            &Measure::DenseSolve { solver } => self.dense_solve(solver)?,
+        })
+    }
+
+    /// Hands the rows of consecutive patches to `each`.
+    fn each_row(
+        &mut self,
+        patches: std::ops::Range<u32>,
+        mut each: impl FnMut(u32, &[Entry]),
+    ) -> Result<(), VerifyError> {
+        let mut patch = patches.start;
+        while patch < patches.end {
+            let batch = self.rows.batch_with(patch)?;
+            let drawn = batch.patches();
+            for i in patch..drawn.end.min(patches.end) {
+                each(i, batch.row((i - drawn.start) as usize));
+            }
+            patch = drawn.end;
+        }
+        Ok(())
+    }
+
+    /// Runs of the patches of an object, in order.
+    fn patches_of(&self, object: &str) -> Vec<std::ops::Range<u32>> {
+        let mut runs: Vec<std::ops::Range<u32>> = Vec::new();
+        for (surface, tree) in self.scene.surfaces().iter().zip(self.scene.mesh().trees()) {
+            if self.scene.object(surface.object) != object {
+                continue;
+            }
+            let patches = tree.patches();
+            match runs.last_mut() {
+                Some(last) if last.end == patches.start => last.end = patches.end,
+                _ => runs.push(patches),
+            }
+        }
+        runs
+    }
+
+    /// sum_i A_i sum_j F_ij / sum_i A_i over the patches i of `from` and j of `to`.
+    fn form_factor(&mut self, from: &str, to: &str) -> Result<f64, VerifyError> {
+        let areas = self.scene.patch_areas();
+        let mut is_target = vec![false; areas.len()];
+        for run in self.patches_of(to) {
+            is_target[run.start as usize..run.end as usize].fill(true);
+        }
+        let (mut weighted, mut area) = (0.0, 0.0);
+        for run in self.patches_of(from) {
+            self.each_row(run, |i, row| {
+                let units: u64 = row
+                    .iter()
+                    .filter(|entry| is_target[entry.patch as usize])
+                    .map(|entry| u64::from(entry.units))
+                    .sum();
+                weighted += areas[i as usize] * units as f64;
+                area += areas[i as usize];
+            })?;
+        }
+        Ok(weighted / area / f64::from(self.rows.units_per_one()))
+    }
+
+    /// Mean irradiance of an object after one iteration, first channel, W/m^2.
+    fn irradiance(&mut self, of: &str) -> Result<f64, VerifyError> {
+        let solution = self.iterate(SolverChoice::Jacobi, 0.0, 1)?;
+        let areas = self.scene.patch_areas();
+        let patches = || {
+            self.patches_of(of)
+                .into_iter()
+                .flatten()
+                .map(|i| i as usize)
+        };
+        let received: f64 = patches()
+            .map(|i| areas[i] * f64::from(solution.irradiance[i].x))
+            .sum();
+        let area: f64 = patches().map(|i| areas[i]).sum();
+        Ok(received / area)
+    }
+
+    /// One per patch, dimensionless.
+    fn row_sums(&mut self) -> Result<Vec<f64>, VerifyError> {
+        let units_per_one = f64::from(self.rows.units_per_one());
+        let mut sums = Vec::new();
+        self.each_row(0..self.scene.patch_count(), |_, row| {
+            let units: u64 = row.iter().map(|entry| u64::from(entry.units)).sum();
+            sums.push(units as f64 / units_per_one);
+        })?;
+        Ok(sums)
+    }
+
+    fn iterate(
+        &mut self,
+        choice: SolverChoice,
+        residual: f64,
+        most_iterations: u64,
+    ) -> Result<Solution, VerifyError> {
+        let problem = Problem::new(self.scene);
+        let start = Solution {
+            provenance: Provenance::default(),
+            ..Solution::dark(self.scene)
+        };
+        let mut solver: Box<dyn Solver> = match choice {
+            SolverChoice::Jacobi => Box::new(Gather::new(problem, Update::AfterIteration, start)),
+            SolverChoice::GaussSeidel => Box::new(Gather::new(problem, Update::AtOnce, start)),
+            SolverChoice::Shooting => Box::new(Shoot::new(problem, start)),
+        };
+        while solver.iterations() < most_iterations
+            && solver.residual().is_none_or(|reached| reached > residual)
+        {
+            solver.step(&mut self.rows)?;
+        }
+        Ok(solver.snapshot())
+    }
+
+    /// Radiosities, W/m^2, one per patch.
+    fn solve(&mut self, choice: SolverChoice, residual: f64) -> Result<Vec<Rgb>, VerifyError> {
+        let solution = self.iterate(choice, residual, MOST_ITERATIONS)?;
+        Ok(solution.radiosity(self.scene))
+    }
+
+    /// The patch and channel in which a solver is farthest from the dense solution, relatively.
+    fn dense_solve(&mut self, choice: SolverChoice) -> Result<Measured, VerifyError> {
+        let solved = self.solve(choice, DENSE_RESIDUAL)?;
+        let problem = Problem::new(self.scene);
+        let n = problem.patch_count();
+        // What patch i gathers from patch j, dimensionless.
+        let mut gathered = vec![vec![0.0; n]; n];
+        let units_per_one = f64::from(self.rows.units_per_one());
+        self.each_row(0..n as u32, |i, row| {
+            let i = i as usize;
+            for entry in row {
+                let (j, factor) = (entry.patch as usize, f64::from(entry.units) / units_per_one);
+                if choice == SolverChoice::Shooting {
+                    gathered[j][i] = factor * problem.areas[i] / problem.areas[j];
+                } else {
+                    gathered[i][j] = factor;
+                }
+            }
+        })?;
+        let mut worst = Measured {
+            expected: 1.0,
+            computed: 1.0,
+        };
+        for channel in 0..3 {
+            let matrix = (0..n)
+                .map(|i| {
+                    let rho = f64::from(problem.reflectance[i][channel]);
+                    let mut row: Vec<f64> = gathered[i].iter().map(|f| -rho * f).collect();
+                    row[i] += 1.0;
+                    row
+                })
+                .collect();
+            let emission = problem.emission.iter().map(|e| f64::from(e[channel]));
+            let exact = dense::solve(matrix, emission.collect());
+            for (&expected, radiosity) in exact.iter().zip(&solved) {
+                let here = Measured {
+                    expected,
+                    computed: f64::from(radiosity[channel]),
+                };
+                if here.error() >= worst.error() {
+                    worst = here;
+                }
+            }
+        }
+        Ok(worst)
+    }
+}

@@ -1,0 +1,188 @@
+//! Laws of the lamps' own views.
+
+mod common;
+
+use compute::cpu::CpuRows;
+use compute::hemicube;
+use compute::lamps::with_lamps;
+use compute::polygon_form_factor::point_to_triangle;
+use compute::rows::RowBatch;
+use compute::settings::{FormFactorSettings, LampViews, Maps, Points};
+use glam::{DVec3, Vec3};
+use scene::{PatchId, Scene};
+
+fn settings(points: Points) -> FormFactorSettings {
+    FormFactorSettings {
+        resolution: 32,
+        maps: Maps::Exact,
+        points,
+    }
+}
+
+fn rows(scene: &Scene, settings: FormFactorSettings, views: LampViews) -> RowBatch {
+    with_lamps(
+        scene,
+        settings,
+        views,
+        Box::new(CpuRows::new(scene, settings)),
+    )
+    .draw_rows(0..scene.patch_count())
+    .unwrap()
+}
+
+/// A closed room with a small lamp hanging under its ceiling, and a screen under a half of the lamp if
+/// `screened`; surfaces 12 and 13 are the lamp.
+fn room(screened: bool, max_area: f64) -> Scene {
+    let mut surfaces = common::block(Vec3::ZERO, Vec3::new(2.0, 2.0, 2.0), false, 0);
+    let plate = |low: [f32; 2], high: [f32; 2], z: f32, material| {
+        let at = |x, y| Vec3::new(x, y, z);
+        // Counter-clockwise from below.
+        common::quad(
+            [
+                at(low[0], low[1]),
+                at(low[0], high[1]),
+                at(high[0], high[1]),
+                at(high[0], low[1]),
+            ],
+            material,
+        )
+    };
+    surfaces.extend(plate([0.9, 0.9], [1.1, 1.1], 1.9, 1));
+    if screened {
+        surfaces.extend(plate([0.0, 0.0], [1.0, 2.0], 1.8, 0));
+    }
+    common::scene(
+        vec![common::material(0.5, 0.0), common::material(0.0, 100.0)],
+        surfaces,
+        max_area,
+    )
+}
+
+fn lamp_units(scene: &Scene, row: &[compute::rows::Entry]) -> u64 {
+    row.iter()
+        .filter(|e| (12..14).contains(&scene.mesh().surface_of(PatchId(e.patch)).0))
+        .map(|e| u64::from(e.units))
+        .sum()
+}
+
+/// The lamp's exact factor from one point.
+fn exact(scene: &Scene, frame: &hemicube::Frame) -> f64 {
+    scene.surfaces()[12..14]
+        .iter()
+        .filter(|s| (frame.position - s.corners[0].as_dvec3()).dot(s.normal()) > 1e-6)
+        .map(|s| point_to_triangle(s.corners.map(|p| frame.to_local(p.as_dvec3()))))
+        .sum()
+}
+
+/// Entries are rounded to units of 2^-32 each; a lamp of few patches is off by fewer than 100 of them.
+#[test]
+fn lamp_that_nothing_hides_is_exact() {
+    let scene = room(false, 0.05);
+    for points in [Points::CENTROID, Points::Bisected { bisections: 2 }] {
+        let settings = settings(points);
+        let rows = rows(&scene, settings, LampViews::Auto);
+        let mut lit = 0;
+        for patch in 0..scene.patch_count() {
+            let frames = hemicube::frames(&scene, PatchId(patch), points);
+            let expected =
+                frames.iter().map(|frame| exact(&scene, frame)).sum::<f64>() / frames.len() as f64;
+            let own = scene.mesh().surface_of(PatchId(patch)).0;
+            // The ceiling sees the lamp's back, from above; the lamp does not see itself.
+            if own >= 12 || expected == 0.0 {
+                continue;
+            }
+            let seen = lamp_units(&scene, rows.row(patch as usize)) as f64
+                / f64::from(settings.units_per_one());
+            assert!(
+                (seen - expected).abs() < 100.0 / f64::from(u32::MAX),
+                "{patch}: {seen} {expected}"
+            );
+            lit += 1;
+        }
+        assert!(lit > 100);
+    }
+}
+
+#[test]
+fn rows_keep_their_sums_to_the_unit() {
+    for scene in [
+        room(false, 0.1),
+        room(true, 0.1),
+        common::furnished_room(0.2),
+    ] {
+        let settings = settings(Points::Bisected { bisections: 1 });
+        let drawn = rows(&scene, settings, LampViews::Off);
+        for views in [LampViews::Auto, LampViews::All] {
+            let refined = rows(&scene, settings, views);
+            for k in 0..scene.patch_count() as usize {
+                let sum = |rows: &RowBatch| {
+                    let unseen = rows.unseen(k);
+                    rows.row(k).iter().map(|e| u64::from(e.units)).sum::<u64>()
+                        + u64::from(unseen.open)
+                        + u64::from(unseen.back_face)
+                };
+                assert_eq!(sum(&drawn), u64::from(settings.units_per_one()));
+                assert_eq!(sum(&refined), sum(&drawn), "{k}");
+                assert!(refined.row(k).is_sorted_by(|a, b| a.patch < b.patch));
+            }
+        }
+    }
+}
+
+/// From the floor below, the screen's edge x = 1 at height 1.8 hides about the half x < 1 of the
+/// lamp. The view's 32 columns put that edge within half a column: 1/64 of the lamp, 1/32 of the half.
+#[test]
+fn half_hidden_lamp_counts_half() {
+    let scene = room(true, 0.05);
+    let settings = settings(Points::CENTROID);
+    let rows = rows(&scene, settings, LampViews::Auto);
+    let mut tested = 0;
+    for patch in 0..scene.patch_count() {
+        let frame = hemicube::frames(&scene, PatchId(patch), Points::CENTROID)[0];
+        if frame.position.z != 0.0 || (frame.position.x - 1.0).abs() > 0.2 {
+            continue;
+        }
+        // Exactly: what of the lamp lies beyond the plane through the point and the screen's edge.
+        let edge = frame.position.x + (1.0 - frame.position.x) * 1.9 / 1.8;
+        let at = |x, y| DVec3::new(x, y, 1.9);
+        let corners =
+            [at(edge, 0.9), at(edge, 1.1), at(1.1, 1.1), at(1.1, 0.9)].map(|p| frame.to_local(p));
+        let expected = point_to_triangle([corners[0], corners[1], corners[2]])
+            + point_to_triangle([corners[0], corners[2], corners[3]]);
+        let seen = lamp_units(&scene, rows.row(patch as usize)) as f64
+            / f64::from(settings.units_per_one());
+        assert!(
+            (seen / expected - 1.0).abs() < 1.0 / 32.0,
+            "{patch}: {seen} {expected}"
+        );
+        tested += 1;
+    }
+    assert!(tested > 3, "{tested}");
+}
+
+#[test]
+fn without_lamps_and_with_the_thesis_maps_nothing_changes() {
+    let scene = room(false, 0.2);
+    let exact = settings(Points::CENTROID);
+    assert_ne!(
+        rows(&scene, exact, LampViews::Auto),
+        rows(&scene, exact, LampViews::Off)
+    );
+    let thesis = FormFactorSettings {
+        maps: Maps::Thesis,
+        ..exact
+    };
+    assert_eq!(
+        rows(&scene, thesis, LampViews::Auto),
+        rows(&scene, thesis, LampViews::Off)
+    );
+    let dark = common::scene(
+        vec![common::material(0.5, 0.0)],
+        common::block(Vec3::ZERO, Vec3::ONE, false, 0),
+        0.1,
+    );
+    assert_eq!(
+        rows(&dark, exact, LampViews::All),
+        rows(&dark, exact, LampViews::Off)
+    );
+}
