@@ -19,9 +19,15 @@ const LEAST_SHARE: f64 = 0.01;
 /// Views a point at most.
 const MOST_VIEWS: usize = 8;
 
-/// Pixels along the longer side of a view. Tuned on a columned room: 32 and 64 differ by less than the
-/// patches' own size does.
-const VIEW_PIXELS: usize = 32;
+/// Pixels along the longer side of a view: a shadow's edge across a lamp is right to half of one.
+const VIEW_PIXELS: usize = 64;
+
+/// Pixels along the shorter side at least, as long as the longer one has at most [`MOST_PIXELS`].
+const LEAST_PIXELS: usize = 8;
+const MOST_PIXELS: usize = 2048;
+
+/// Edges of a lamp along which its view may lie; the one with the smallest rectangle is taken.
+const MOST_DIRECTIONS: usize = 16;
 
 /// The widest view, as the tangent of half its angle; a lamp that is closer or larger covers so much of
 /// the hemicube that it needs no view of its own.
@@ -77,8 +83,14 @@ impl<'a> LampViewer<'a> {
     ) -> (Vec<Entry>, Unseen) {
         let frames = hemicube::frames(self.scene, patch, self.settings.points);
         let own = self.scene.mesh().surface_of(patch);
-        let chosen = self.choose(own, &frames);
-        let seen = self.look(own, &frames, &chosen);
+        let mut chosen = self.choose(own, &frames);
+        let seen = loop {
+            match self.look(own, &frames, &chosen) {
+                Ok(seen) => break seen,
+                // Too thin for a view's pixels: the hemicube's may find it.
+                Err(missed) => chosen.retain(|&index| index != missed),
+            }
+        };
         merge(row, unseen, &seen, self.settings.units_per_one())
             .unwrap_or_else(|| (row.to_vec(), unseen))
     }
@@ -154,39 +166,47 @@ impl<'a> LampViewer<'a> {
             .map(DVec3::normalize_or_zero)
             .collect();
         let forward = corners.iter().sum::<DVec3>().normalize_or_zero();
-        let (right, up) = forward.any_orthonormal_pair();
-        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for q in corners {
-            let w = q.dot(forward);
-            let at = [q.dot(right) / w, q.dot(up) / w];
-            if w <= 0.0 || at.iter().any(|v| v.abs() > WIDEST) {
-                return None;
-            }
-            for k in 0..2 {
-                low[k] = low[k].min(at[k]);
-                high[k] = high[k].max(at[k]);
-            }
+        if forward == DVec3::ZERO || corners.iter().any(|q| q.dot(forward) <= 0.0) {
+            return None;
         }
-        let [width, height] = [high[0] - low[0], high[1] - low[1]];
-        let pixel = width.max(height) / VIEW_PIXELS as f64;
+        let directions = corners
+            .iter()
+            .zip(corners.iter().skip(1))
+            .take(MOST_DIRECTIONS);
+        let (_, right, [left, bottom, width, height]) = directions
+            .filter_map(|(p, q)| {
+                let right = (q - p).reject_from_normalized(forward).try_normalize()?;
+                let rectangle = rectangle(&corners, forward, right);
+                Some((rectangle[2] * rectangle[3], right, rectangle))
+            })
+            .min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let ends = [left, left + width, bottom, bottom + height];
+        if ends.iter().any(|end| end.abs() > WIDEST) {
+            return None;
+        }
+        let (longer, shorter) = (width.max(height), width.min(height));
+        let pixel = (longer / VIEW_PIXELS as f64)
+            .min(shorter / LEAST_PIXELS as f64)
+            .max(longer / MOST_PIXELS as f64);
         if !(pixel.is_finite() && pixel > 0.0) {
             return None;
         }
-        let pixels = |side: f64| ((side / pixel).ceil() as usize).clamp(1, VIEW_PIXELS);
+        let pixels = |side: f64| ((side / pixel).ceil() as usize).clamp(1, MOST_PIXELS);
         Some(Window {
             right,
-            up,
+            up: forward.cross(right),
             forward,
-            left: low[0],
-            bottom: low[1],
+            left,
+            bottom,
             pixel,
             width: pixels(width),
             height: pixels(height),
         })
     }
 
-    /// The mean over the points of what is seen of the chosen lamps.
-    fn look(&mut self, own: SurfaceId, frames: &[Frame], chosen: &[usize]) -> Seen {
+    /// The mean over the points of what is seen of the chosen lamps; as an error a lamp that no pixel of
+    /// its view meets from some point, hidden or not.
+    fn look(&mut self, own: SurfaceId, frames: &[Frame], chosen: &[usize]) -> Result<Seen, usize> {
         let mut seen = Seen::default();
         for &index in chosen {
             let trees = self.lamps[index]
@@ -197,7 +217,7 @@ impl<'a> LampViewer<'a> {
         }
         seen.replaced.sort_unstable_by_key(|range| range.start);
         if chosen.is_empty() {
-            return seen;
+            return Ok(seen);
         }
         for frame in frames {
             self.everything.set(
@@ -209,7 +229,10 @@ impl<'a> LampViewer<'a> {
                 self.plane_tolerance,
             );
             for &index in chosen {
-                self.view(frame, index, 1.0 / frames.len() as f64, &mut seen);
+                let share = 1.0 / frames.len() as f64;
+                if !self.view(frame, index, share, &mut seen) {
+                    return Err(index);
+                }
             }
         }
         seen.factors.sort_by_key(|(patch, _)| *patch);
@@ -220,15 +243,16 @@ impl<'a> LampViewer<'a> {
             }
             same
         });
-        seen
+        Ok(seen)
     }
 
-    /// Looks at one lamp from one point and adds what is seen, times `share`.
-    fn view(&mut self, frame: &Frame, index: usize, share: f64, seen: &mut Seen) {
+    /// Looks at one lamp from one point and adds what is seen, times `share`. False where no pixel meets
+    /// the lamp.
+    fn view(&mut self, frame: &Frame, index: usize, share: f64, seen: &mut Seen) -> bool {
         let lamp = &self.lamps[index];
         let form_factor = self.unhidden(frame, lamp);
         let Some(window) = self.window(frame, lamp).filter(|_| form_factor > 0.0) else {
-            return;
+            return true;
         };
         self.lamp_alone.set_some(
             self.scene,
@@ -249,7 +273,7 @@ impl<'a> LampViewer<'a> {
                     .sum::<f64>();
             });
         if whole <= 0.0 {
-            return;
+            return false;
         }
         let first = seen.factors.len();
         let replaced = &seen.replaced;
@@ -276,7 +300,23 @@ impl<'a> LampViewer<'a> {
                     }
                 }
             });
+        true
     }
+}
+
+/// The rectangle around some directions on the plane at distance 1 before an eye: left, bottom, width,
+/// height, with the sides along `right`.
+fn rectangle(directions: &[DVec3], forward: DVec3, right: DVec3) -> [f64; 4] {
+    let up = forward.cross(right);
+    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    for q in directions {
+        let w = q.dot(forward);
+        for (k, v) in [q.dot(right) / w, q.dot(up) / w].into_iter().enumerate() {
+            low[k] = low[k].min(v);
+            high[k] = high[k].max(v);
+        }
+    }
+    [low[0], low[1], high[0] - low[0], high[1] - low[1]]
 }
 
 /// A pixel's delta form factor, up to a factor that all pixels share.
