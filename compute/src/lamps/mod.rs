@@ -19,6 +19,7 @@
 //! average out. In the patch's row the hemicube's entries for the lamp give way to these, and the others are
 //! scaled so that the row still sums to what it did.
 
+mod cone;
 mod find;
 mod merge;
 mod view;
@@ -28,6 +29,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 use scene::{PatchId, Scene};
 
+use self::cone::Sphere;
 use self::find::{Lamp, lamps};
 use self::view::LampViewer;
 use crate::rows::{BackendError, Entry, RowBatch, RowSource, Unseen};
@@ -38,6 +40,8 @@ pub struct LampRows<'a> {
     scene: &'a Scene,
     settings: FormFactorSettings,
     lamps: Vec<Lamp>,
+    /// One per surface.
+    spheres: Vec<Sphere>,
     all: bool,
     inner: Box<dyn RowSource + 'a>,
 }
@@ -59,6 +63,7 @@ pub fn with_lamps<'a>(
         scene,
         settings,
         lamps,
+        spheres: scene.surfaces().iter().map(Sphere::around).collect(),
         all: views == LampViews::All,
         inner: source,
     })
@@ -67,12 +72,19 @@ pub fn with_lamps<'a>(
 impl RowSource for LampRows<'_> {
     fn draw_rows(&mut self, patches: Range<u32>) -> Result<RowBatch, BackendError> {
         let drawn = self.inner.draw_rows(patches.clone())?;
-        let (scene, settings, lamps) = (self.scene, self.settings, &self.lamps);
+        let Self {
+            scene,
+            settings,
+            lamps,
+            spheres,
+            all,
+            ..
+        } = &*self;
         let rows: Vec<(Vec<Entry>, Unseen)> = patches
             .clone()
             .into_par_iter()
             .map_init(
-                || LampViewer::new(scene, settings, lamps, self.all),
+                || LampViewer::new(scene, *settings, lamps, spheres, *all),
                 |viewer, patch| {
                     let k = (patch - patches.start) as usize;
                     viewer.refine(PatchId(patch), drawn.row(k), drawn.unseen(k))

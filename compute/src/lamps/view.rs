@@ -5,6 +5,7 @@ use std::ops::Range;
 use glam::DVec3;
 use scene::{PatchId, Scene, SurfaceId};
 
+use super::cone::{Cone, Sphere};
 use super::find::Lamp;
 use super::merge::{is_in, merge};
 use crate::cpu::{Cull, Projection, Raster, plane_tolerance};
@@ -38,9 +39,12 @@ pub(super) struct LampViewer<'a> {
     scene: &'a Scene,
     settings: FormFactorSettings,
     lamps: &'a [Lamp],
+    /// Around the surfaces, one each.
+    spheres: &'a [Sphere],
     all: bool,
     plane_tolerance: f64,
-    everything: Projection,
+    /// What may be seen of a lamp, and what may hide it.
+    hiders_and_lamp: Projection,
     lamp_alone: Projection,
     raster: Raster,
 }
@@ -60,15 +64,17 @@ impl<'a> LampViewer<'a> {
         scene: &'a Scene,
         settings: FormFactorSettings,
         lamps: &'a [Lamp],
+        spheres: &'a [Sphere],
         all: bool,
     ) -> Self {
         Self {
             scene,
             settings,
             lamps,
+            spheres,
             all,
             plane_tolerance: plane_tolerance(scene),
-            everything: Projection::default(),
+            hiders_and_lamp: Projection::default(),
             lamp_alone: Projection::default(),
             raster: Raster::default(),
         }
@@ -204,6 +210,15 @@ impl<'a> LampViewer<'a> {
         })
     }
 
+    /// How far away the lamp's farthest corner is, metres.
+    fn reach(&self, frame: &Frame, lamp: &Lamp) -> f64 {
+        lamp.surfaces
+            .iter()
+            .flat_map(|&id| self.scene.surface(id).corners)
+            .map(|p| p.as_dvec3().distance(frame.position))
+            .fold(0.0, f64::max)
+    }
+
     /// The mean over the points of what is seen of the chosen lamps; as an error a lamp that no pixel of
     /// its view meets from some point, hidden or not.
     fn look(&mut self, own: SurfaceId, frames: &[Frame], chosen: &[usize]) -> Result<Seen, usize> {
@@ -220,17 +235,9 @@ impl<'a> LampViewer<'a> {
             return Ok(seen);
         }
         for frame in frames {
-            self.everything.set(
-                self.scene,
-                frame,
-                Some(own),
-                true,
-                Cull::Nothing,
-                self.plane_tolerance,
-            );
             for &index in chosen {
                 let share = 1.0 / frames.len() as f64;
-                if !self.view(frame, index, share, &mut seen) {
+                if !self.view(own, frame, index, share, &mut seen) {
                     return Err(index);
                 }
             }
@@ -248,7 +255,14 @@ impl<'a> LampViewer<'a> {
 
     /// Looks at one lamp from one point and adds what is seen, times `share`. False where no pixel meets
     /// the lamp.
-    fn view(&mut self, frame: &Frame, index: usize, share: f64, seen: &mut Seen) -> bool {
+    fn view(
+        &mut self,
+        own: SurfaceId,
+        frame: &Frame,
+        index: usize,
+        share: f64,
+        seen: &mut Seen,
+    ) -> bool {
         let lamp = &self.lamps[index];
         let form_factor = self.unhidden(frame, lamp);
         let Some(window) = self.window(frame, lamp).filter(|_| form_factor > 0.0) else {
@@ -278,14 +292,26 @@ impl<'a> LampViewer<'a> {
         let first = seen.factors.len();
         let replaced = &seen.replaced;
         let factors = &mut seen.factors;
-        self.raster.draw(&self.everything, &window);
+        let cone = Cone::around(frame, &window, self.reach(frame, lamp));
+        let hiders = (0..).map(SurfaceId).zip(self.spheres);
+        self.hiders_and_lamp.set_some(
+            self.scene,
+            frame,
+            hiders
+                .filter(|&(id, sphere)| id != own && cone.meets(sphere))
+                .map(|(id, _)| id),
+            true,
+            Cull::Nothing,
+            self.plane_tolerance,
+        );
+        self.raster.draw(&self.hiders_and_lamp, &window);
         let trees: Vec<Range<u32>> = lamp
             .surfaces
             .iter()
             .map(|&id| self.scene.mesh().tree(id).patches())
             .collect();
         self.raster
-            .for_each_row(&self.everything, nothing, nothing, |j, ids| {
+            .for_each_row(&self.hiders_and_lamp, nothing, nothing, |j, ids| {
                 for (i, &id) in ids.iter().enumerate() {
                     if id == nothing
                         || !is_in(replaced, id)
