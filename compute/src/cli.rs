@@ -217,9 +217,18 @@ impl Arguments {
     }
 }
 
-/// By their names, and by where links lead if both exist.
+/// By where their names lead, links followed; a file that is not there yet by its folder and name.
 fn is_same_file(a: &Path, b: &Path) -> bool {
-    a == b || matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+    let resolve = |path: &Path| {
+        path.canonicalize().or_else(|_| {
+            let folder = path
+                .parent()
+                .filter(|folder| !folder.as_os_str().is_empty());
+            let folder = folder.unwrap_or(Path::new(".")).canonicalize()?;
+            std::io::Result::Ok(folder.join(path.file_name().unwrap_or_default()))
+        })
+    };
+    a == b || matches!((resolve(a), resolve(b)), (Ok(a), Ok(b)) if a == b)
 }
 
 /// A parser of one of a few words, which help and errors list.

@@ -1,6 +1,5 @@
 //! All form factors as text: `from,to,form_factor`, one line for each that is not zero.
 
-use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use scene::file::write_atomically;
@@ -10,7 +9,6 @@ use crate::row_cache::RowCache;
 /// Writes the rows of all patches, drawing those that are not kept.
 pub fn save(path: &Path, rows: &mut RowCache) -> anyhow::Result<()> {
     write_atomically(path, |out| {
-        let mut out = BufWriter::new(out);
         let units_per_one = f64::from(rows.units_per_one());
         writeln!(out, "from,to,form_factor")?;
         rows.for_each_row(|from, row| {
@@ -19,8 +17,7 @@ pub fn save(path: &Path, rows: &mut RowCache) -> anyhow::Result<()> {
                 writeln!(out, "{from},{},{form_factor}", entry.patch)?;
             }
             Ok(())
-        })?;
-        out.flush()
+        })
     })?;
     Ok(())
 }

@@ -47,8 +47,11 @@ impl Frame {
     /// normal by `turn` radians: results do not depend on how the model lies in its coordinates.
     pub fn on_patch(patch: &Patch, normal: DVec3, position: DVec3, turn: f64) -> Self {
         let [p0, p1, _] = patch.corners.map(Vec3::as_dvec3);
-        let along = p1 - p0;
-        let aligned = (along - along.dot(normal) * normal).normalize();
+        // A patch so small that its corners fall together in f32 has no edge to follow.
+        let aligned = (p1 - p0)
+            .reject_from_normalized(normal)
+            .try_normalize()
+            .unwrap_or_else(|| normal.any_orthonormal_vector());
         let (sin, cos) = turn.sin_cos();
         let tangent = cos * aligned + sin * normal.cross(aligned);
         Self {

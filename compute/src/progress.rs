@@ -42,8 +42,8 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Starts the display.
-    pub fn new(tolerance: f64) -> Self {
+    /// Starts the display of a run that goes on from so many iterations.
+    pub fn new(tolerance: f64, iterations: u64, residual: Option<f64>) -> Self {
         let bar = std::io::stderr().is_terminal().then(|| {
             let style = ProgressStyle::with_template("{bar:30.cyan/dim} {msg}");
             ProgressBar::new(BAR_STEPS)
@@ -57,7 +57,7 @@ impl Progress {
             tolerance,
             iteration_start: now,
             last_iteration: None,
-            seen: (0, None, None),
+            seen: (iterations, residual, None),
         }
     }
 
@@ -78,7 +78,10 @@ impl Progress {
     }
 
     fn message(&self, position: Position) -> String {
-        let mut parts = vec![format!("iteration {}", position.iterations + 1)];
+        let mut parts = vec![format!(
+            "iteration {}",
+            position.iterations.saturating_add(1)
+        )];
         if self.bar.is_none() {
             parts.push(format!("{:.0} percent", 100.0 * position.share_done));
         }

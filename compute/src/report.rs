@@ -71,6 +71,8 @@ pub struct Report {
     pub iterations: u64,
     /// Of them, those before this run.
     pub iterations_before: u64,
+    /// Share of the next iteration that is done, and kept for a run that goes on, 0 to 1.
+    pub next_iteration_share: f64,
     /// Relative residual after each iteration that was done with these settings, dimensionless.
     pub residuals: Vec<f64>,
     /// Power balance.
@@ -308,8 +310,14 @@ impl Report {
             .residuals
             .last()
             .map_or_else(|| "none".to_owned(), |residual| format!("{residual:.2e}"));
+        let share = 100.0 * self.next_iteration_share;
+        let next = if share > 0.0 {
+            format!(" and {share:.1} % of the next")
+        } else {
+            String::new()
+        };
         lines.push(format!(
-            "result         {} iterations, residual {residual}, {}",
+            "result         {} iterations{next}, residual {residual}, {}",
             self.iterations,
             self.stopped_by.describe(),
         ));

@@ -94,7 +94,12 @@ impl<'a> Run<'a> {
             );
             // As it is: these settings have done nothing to it.
             let solution = solution.unwrap_or_else(|| self.start_from(&scene, None));
-            (solution, Ok(StoppedBy::Iterations))
+            let stopped_by = if interrupt::requested() {
+                StoppedBy::Interrupt
+            } else {
+                StoppedBy::Iterations
+            };
+            (solution, Ok(stopped_by))
         } else {
             let start = self.start_from(&scene, solution);
             let mut solver = solver(settings.solver, &scene, start);
@@ -102,18 +107,12 @@ impl<'a> Run<'a> {
             (solver.snapshot(), result)
         };
         let saved = self.save(&scene, &solution);
-        // What failed first is what the user needs to know.
-        let stopped_by = match result {
-            Ok(stopped_by) => stopped_by,
-            Err(error) => {
-                saved?;
-                let kept = format!("what was solved so far is in {}", settings.output.display());
-                return Err(error.context(kept));
-            }
-        };
-        saved?;
+        let mut stopped_by = self.outcome(result, saved)?;
         if settings.strict && !matches!(stopped_by, StoppedBy::Interrupt | StoppedBy::TimeLimit) {
             rows.draw_missing()?;
+            if interrupt::requested() {
+                stopped_by = StoppedBy::Interrupt;
+            }
         }
 
         let statistics = rows.statistics();
@@ -147,6 +146,7 @@ impl<'a> Run<'a> {
             peak_memory_bytes: report::peak_memory_bytes(),
             iterations: solution.provenance.iterations,
             iterations_before,
+            next_iteration_share: solution.next_iteration_share(),
             residuals: solution.provenance.residuals,
             energy,
             closure,
@@ -207,17 +207,23 @@ impl<'a> Run<'a> {
         rows: &mut RowCache,
     ) -> anyhow::Result<StoppedBy> {
         let settings = self.settings;
-        let mut progress = Progress::new(settings.tolerance);
+        let mut progress =
+            Progress::new(settings.tolerance, solver.iterations(), solver.residual());
         let mut last_checkpoint = Instant::now();
         let stopped_by = loop {
+            if solver.residual().is_some_and(|r| !r.is_finite()) {
+                anyhow::bail!(
+                    "radiosities are beyond what f32 holds, 3e38 W/m^2; lower the emission"
+                );
+            }
+            if solver.residual().is_some_and(|r| r <= settings.tolerance) {
+                break StoppedBy::Tolerance;
+            }
             if settings
                 .max_iterations
                 .is_some_and(|most| solver.iterations() >= most)
             {
                 break StoppedBy::Iterations;
-            }
-            if solver.residual().is_some_and(|r| r <= settings.tolerance) {
-                break StoppedBy::Tolerance;
             }
             if interrupt::requested() {
                 break StoppedBy::Interrupt;
@@ -249,6 +255,23 @@ impl<'a> Run<'a> {
         Ok(stopped_by)
     }
 
+    /// Why the run stopped, or all that went wrong.
+    fn outcome(
+        &self,
+        result: anyhow::Result<StoppedBy>,
+        saved: anyhow::Result<()>,
+    ) -> anyhow::Result<StoppedBy> {
+        match (result, saved) {
+            (Ok(stopped_by), Ok(())) => Ok(stopped_by),
+            (Ok(_), Err(unsaved)) => Err(unsaved),
+            (Err(error), Ok(())) => {
+                let output = self.settings.output.display();
+                Err(error.context(format!("what was solved so far is in {output}")))
+            }
+            (Err(error), Err(unsaved)) => Err(error.context(format!("{unsaved:#}; before that"))),
+        }
+    }
+
     fn save(&mut self, scene: &Scene, solution: &Solution) -> anyhow::Result<()> {
         let start = Instant::now();
         let saved = file::save(&self.settings.output, scene, Some(solution));
@@ -269,7 +292,8 @@ fn solver(choice: SolverChoice, scene: &Scene, start: Solution) -> Box<dyn Solve
     }
 }
 
-/// The settings on which the result depends; a file made with the same goes on bit for bit.
+/// The settings on which the result depends; a file made with the same, and with the same back end, goes
+/// on bit for bit.
 fn describe(settings: &Settings) -> String {
     let form_factors = settings.form_factors;
     format!(

@@ -408,3 +408,64 @@ fn standard_output_is_the_summary_and_nothing_is_drawn_without_a_terminal() {
         "{summary}"
     );
 }
+
+#[test]
+fn regression_radiosities_beyond_f32_are_an_error() {
+    let folder = common::folder();
+    common::save(folder.path(), "in.rad", &common::furnace(0.9, 3e38, 0.5));
+    for solver in ["jacobi", "gauss-seidel", "shooting"] {
+        let output = compute(
+            folder.path(),
+            &["in.rad", "out.rad", "16", "--solver", solver],
+        );
+        assert_eq!(output.status.code(), Some(1), "{solver}: {output:?}");
+        assert!(
+            stderr(&output).contains("lower the emission"),
+            "{solver}: {output:?}"
+        );
+    }
+}
+
+#[test]
+fn regression_two_names_of_one_new_file_are_wrong_usage() {
+    let folder = common::folder_with_room();
+    let output = compute(
+        folder.path(),
+        &["in.rad", "out.rad", "--report", "./out.rad"],
+    );
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    assert!(
+        stderr(&output).contains("choose another name"),
+        "{output:?}"
+    );
+}
+
+/// Not `/dev/null`, which a test must not risk.
+#[cfg(unix)]
+#[test]
+fn regression_the_report_can_go_into_a_pipe() {
+    let folder = common::folder_with_room();
+    let pipe = folder.path().join("pipe");
+    let made = std::process::Command::new("mkfifo")
+        .arg(&pipe)
+        .status()
+        .unwrap();
+    assert!(made.success());
+    // Another process reads, so that a run that never opens the pipe does not leave the test waiting.
+    let mut reader = std::process::Command::new("cat");
+    let mut reader = reader
+        .arg(&pipe)
+        .stdout(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let run = compute(
+        folder.path(),
+        &["in.rad", "out.rad", "8", "--report", "pipe"],
+    );
+    if run.status.code() != Some(0) {
+        reader.kill().unwrap();
+    }
+    let report = reader.wait_with_output().unwrap().stdout;
+    assert_eq!(run.status.code(), Some(0), "{run:?}");
+    assert!(serde_json::from_slice::<serde_json::Value>(&report).unwrap()["patches"].is_u64());
+}

@@ -91,6 +91,12 @@ impl Solution {
         Ok(())
     }
 
+    /// Share of the next iteration that is done, 0 to 1.
+    pub fn next_iteration_share(&self) -> f64 {
+        let done = self.unfinished.as_ref().map_or(0, |u| u.irradiance.len());
+        done as f64 / self.irradiance.len() as f64
+    }
+
     /// Radiosities B = E + rho H, W/m^2, one per patch.
     pub fn radiosity(&self, scene: &Scene) -> Vec<Rgb> {
         let mut radiosity = scene.patch_emissions();

@@ -10,6 +10,7 @@ use scene::{ObjectId, PatchId, Scene, SurfaceId};
 use crate::cpu::{Cull, Projection, Raster, Sample, plane_tolerance};
 use crate::delta_form_factors::DeltaFormFactors;
 use crate::hemicube;
+use crate::interrupt;
 use crate::settings::FormFactorSettings;
 
 /// What hemispheres can lose power to.
@@ -42,14 +43,16 @@ pub(super) fn culprit(
     let tolerance = plane_tolerance(scene);
     let (mut projection, mut raster) = (Projection::default(), Raster::default());
     let mut pixels = 0;
+    // To set a surface up takes a few times as long as to fill a pixel.
+    let work = hemicube::pixel_count(settings.resolution) + 8 * scene.surfaces().len();
     'patches: for &(patch, _) in worst {
         let patch = PatchId(patch as u32);
         let own = scene.mesh().surface_of(patch);
         for frame in hemicube::frames(scene, patch, settings.points) {
-            if pixels > 0 && pixels + hemicube::pixel_count(settings.resolution) > MAX_PIXELS {
+            if pixels > 0 && pixels + work > MAX_PIXELS || interrupt::requested() {
                 break 'patches;
             }
-            pixels += hemicube::pixel_count(settings.resolution);
+            pixels += work;
             projection.set(scene, &frame, Some(own), true, Cull::Nothing, tolerance);
             let windows = hemicube::windows(settings.resolution);
             for (face, window) in windows.iter().enumerate() {

@@ -30,15 +30,17 @@ pub(super) fn lamps(scene: &Scene) -> Vec<Lamp> {
                 scene
                     .surface(id)
                     .corners
-                    .map(|p| (p.to_array().map(f32::to_bits), k))
+                    .map(|p| (p.to_array().map(|x| (x + 0.0).to_bits()), k))
             })
             .collect();
         corners.sort_unstable();
         corners
     };
     let tolerance = plane_tolerance(scene);
-    let root = |first: &[usize], mut k: usize| {
+    let root = |first: &mut [usize], mut k: usize| {
         while first[k] != k {
+            // Halves the path for those who come after.
+            first[k] = first[first[k]];
             k = first[k];
         }
         k
@@ -46,7 +48,7 @@ pub(super) fn lamps(scene: &Scene) -> Vec<Lamp> {
     for same in by_corner.chunk_by(|a, b| a.0 == b.0) {
         for pair in same.windows(2) {
             let (j, k) = (pair[0].1, pair[1].1);
-            let (a, b) = (root(&first, j), root(&first, k));
+            let (a, b) = (root(&mut first, j), root(&mut first, k));
             if a != b && is_one_plane(scene, emitters[j], emitters[k], tolerance) {
                 first[a.max(b)] = a.min(b);
             }
@@ -54,7 +56,7 @@ pub(super) fn lamps(scene: &Scene) -> Vec<Lamp> {
     }
     let mut lamps: Vec<(usize, Lamp)> = Vec::new();
     for (k, &id) in emitters.iter().enumerate() {
-        let name = root(&first, k);
+        let name = root(&mut first, k);
         // Names come in growing order: a lamp's first surface comes before its others.
         if let Ok(found) = lamps.binary_search_by_key(&name, |(name, _)| *name) {
             lamps[found].1.surfaces.push(id);

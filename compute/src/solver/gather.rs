@@ -83,14 +83,14 @@ impl Gather {
             norm += self.problem.areas[i] * radiosity.as_dvec3().length_squared();
             self.radiosity[i] = radiosity;
         }
-        let residual = if norm > 0.0 {
-            (change / norm).sqrt()
-        } else {
+        let residual = if norm == 0.0 {
             0.0
+        } else {
+            (change / norm).sqrt()
         };
         std::mem::swap(&mut self.irradiance, &mut self.next);
         self.next.clear();
-        self.provenance.iterations += 1;
+        self.provenance.iterations = self.provenance.iterations.saturating_add(1);
         self.provenance.residuals.push(residual);
     }
 }

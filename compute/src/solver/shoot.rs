@@ -147,12 +147,12 @@ impl Solver for Shoot {
             .enumerate()
             .map(|(i, &b)| power(&self.problem, i, b))
             .sum();
-        let residual = if unshot_power > 0.0 {
-            unshot_power / self.emitted_power
-        } else {
+        let residual = if unshot_power == 0.0 {
             0.0
+        } else {
+            unshot_power / self.emitted_power
         };
-        self.provenance.iterations += 1;
+        self.provenance.iterations = self.provenance.iterations.saturating_add(1);
         self.provenance.residuals.push(residual);
         Ok(Step {
             ends_iteration: true,

@@ -3,16 +3,22 @@
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
-use super::write::folder_of;
+use super::write::{folder_of, is_device_or_pipe};
 use super::{FileError, FileFault};
 
 /// The right to write one output file, held for as long as this value lives.
 ///
 /// A lock file `.NAME.lock` beside the output carries an advisory lock of the operating system,
 /// which ends with the process however it ends; a lock file that a killed process left behind
-/// locks nothing.
+/// locks nothing. A device or a pipe takes what several programs write, and is not locked.
 #[derive(Debug)]
 pub struct OutputLock {
+    held: Option<Held>,
+}
+
+/// A lock file and its name.
+#[derive(Debug)]
+struct Held {
     path: PathBuf,
     /// Kept open: closing it gives the lock back.
     _file: File,
@@ -34,6 +40,9 @@ impl OutputLock {
                 },
             )
         };
+        if is_device_or_pipe(output) {
+            return Ok(Self { held: None });
+        }
         let Some(name) = output.file_name().filter(|_| !output.is_dir()) else {
             return Err(fail(std::io::ErrorKind::IsADirectory.into()));
         };
@@ -50,7 +59,8 @@ impl OutputLock {
             // The last holder may have removed the file between our opening and our locking it;
             // then the name stands for nothing, or for another program's new file.
             if is_same_file(&file, &path) {
-                return Ok(Self { path, _file: file });
+                let held = Some(Held { path, _file: file });
+                return Ok(Self { held });
             }
         }
     }
@@ -58,8 +68,10 @@ impl OutputLock {
 
 impl Drop for OutputLock {
     fn drop(&mut self) {
-        // A lock file that stays behind does no harm.
-        std::fs::remove_file(&self.path).ok();
+        if let Some(held) = &self.held {
+            // A lock file that stays behind does no harm.
+            std::fs::remove_file(&held.path).ok();
+        }
     }
 }
 

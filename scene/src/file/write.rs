@@ -35,7 +35,7 @@ pub fn write_atomically(
     write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
 ) -> Result<(), FileError> {
     let fail = |action| move |source| FileError::new(path, FileFault::Io { action, source });
-    if std::fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
+    if is_device_or_pipe(path) {
         let device = std::fs::OpenOptions::new().write(true).open(path);
         let mut buffered = std::io::BufWriter::new(device.map_err(fail("write"))?);
         return write(&mut buffered)
@@ -70,6 +70,11 @@ pub fn write_atomically(
         folder.sync_all().ok();
     }
     Ok(())
+}
+
+/// True for what is neither a file nor a folder, and so cannot be replaced.
+pub(super) fn is_device_or_pipe(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir())
 }
 
 /// The folder a file is in.
