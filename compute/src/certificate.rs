@@ -27,7 +27,6 @@ use scene::{PatchId, Scene};
 use serde::Serialize;
 
 use crate::row_cache::RowCache;
-use crate::settings::FormFactorSettings;
 use culprit::{Loss, culprit};
 
 pub use received::Received;
@@ -120,13 +119,8 @@ pub struct Finding {
 }
 
 /// What the rows drawn so far certify, together with the solution's `imbalance` and last `residual`.
-pub fn certify(
-    scene: &Scene,
-    rows: &RowCache,
-    settings: FormFactorSettings,
-    imbalance: Option<f64>,
-    residual: Option<f64>,
-) -> Certificate {
+pub fn certify(rows: &RowCache, imbalance: Option<f64>, residual: Option<f64>) -> Certificate {
+    let scene = rows.hemicubes().scene();
     let areas = scene.patch_areas();
     let rows_drawn = rows.unseen().iter().flatten().count() as u32;
     let all_drawn = rows_drawn == scene.patch_count();
@@ -158,7 +152,7 @@ pub fn certify(
         let &(patch, worst_share) = worst.first()?;
         Some(Finding {
             share,
-            culprit: culprit(scene, settings, loss, &worst),
+            culprit: culprit(rows.hemicubes(), loss, &worst),
             worst_patch: patch as u32,
             worst_object: object_name(scene, patch),
             worst_share,

@@ -1,9 +1,13 @@
 //! Form factor rows: F_ij of some patches i to all patches j.
 //!
-//! F_ij = units / units_per_one, the fraction of the power leaving patch i that arrives at patch
+//! F_ij = units / UNITS_PER_ONE, the fraction of the power leaving patch i that arrives at patch
 //! j. Only non-zero entries are kept, in patch order. Geometry alone decides them.
 
 use std::ops::Range;
+
+/// Units of a form factor of 1: nearly 2^32, and a multiple of 3 and of 2^10, so that as many hemicubes
+/// have equal shares in it.
+pub const UNITS_PER_ONE: u32 = ((1 << 22) - 1) << 10;
 
 /// One non-zero form factor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -11,11 +15,11 @@ use std::ops::Range;
 pub struct Entry {
     /// The patch j that receives.
     pub patch: u32,
-    /// F_ij in units of 1/`units_per_one`.
+    /// F_ij in units of 1/[`UNITS_PER_ONE`].
     pub units: u32,
 }
 
-/// What of a hemisphere is not seen as a patch's front, in units of 1/`units_per_one`.
+/// What of a hemisphere is not seen as a patch's front, in units of 1/[`UNITS_PER_ONE`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Unseen {
     /// Share that sees nothing: an opening.

@@ -1,6 +1,7 @@
 //! A whole run: load, solve with checkpoints, write, report.
 
 use std::path::Path;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
@@ -8,6 +9,7 @@ use scene::file::{self, OutputLock};
 use scene::{Scene, Solution};
 
 use crate::backend::{self, Backend};
+use crate::hemicubes::Hemicubes;
 use crate::lamps::with_lamps;
 use crate::problem::Problem;
 use crate::progress::{Position, Progress};
@@ -64,17 +66,18 @@ impl<'a> Run<'a> {
         self.seconds.load = self.start.elapsed().as_secs_f64();
 
         let opening = Instant::now();
+        let hemicubes = Arc::new(Hemicubes::new(&scene, settings.form_factors));
         let Backend {
             name,
             source,
             remark,
-        } = backend::open(&scene, settings.form_factors, settings.backend)?;
+        } = backend::open(&hemicubes, settings.backend)?;
         self.seconds.open = opening.elapsed().as_secs_f64();
         if let Some(remark) = remark {
             eprintln!("compute: {remark}");
         }
-        let source = with_lamps(&scene, settings.form_factors, settings.lamps, source);
-        let mut rows = RowCache::new(&scene, source, settings.form_factors, settings.memory_bytes);
+        let source = with_lamps(&hemicubes, settings.lamps, source);
+        let mut rows = RowCache::new(&hemicubes, source, settings.memory_bytes);
         if let Err(error) = self.write_factors(&scene, &mut rows) {
             if !interrupt::requested() {
                 return Err(error);
@@ -120,9 +123,7 @@ impl<'a> Run<'a> {
             .finish(self.start.elapsed(), statistics.duration);
         let (energy, closure, back_face_share) = report::measure(&scene, &solution, &rows);
         let certificate = certificate::certify(
-            &scene,
             &rows,
-            settings.form_factors,
             energy.imbalance,
             solution.provenance.residuals.last().copied(),
         );

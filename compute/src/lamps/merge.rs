@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::view::Seen;
-use crate::rows::{Entry, Unseen};
+use crate::rows::{Entry, UNITS_PER_ONE, Unseen};
 
 /// True where one of the ascending ranges holds the patch.
 pub(super) fn is_in(ranges: &[Range<u32>], patch: u32) -> bool {
@@ -13,16 +13,11 @@ pub(super) fn is_in(ranges: &[Range<u32>], patch: u32) -> bool {
 
 /// The row with the lamps' entries replaced, all others scaled to keep the sum, in patch order. `None`
 /// where the hemicube sees nothing else that could take or give the difference.
-pub(super) fn merge(
-    row: &[Entry],
-    unseen: Unseen,
-    seen: &Seen,
-    units_per_one: u32,
-) -> Option<(Vec<Entry>, Unseen)> {
+pub(super) fn merge(row: &[Entry], unseen: Unseen, seen: &Seen) -> Option<(Vec<Entry>, Unseen)> {
     if seen.replaced.is_empty() {
         return None;
     }
-    let one = f64::from(units_per_one);
+    let one = f64::from(UNITS_PER_ONE);
     let lamps: Vec<Entry> = seen
         .factors
         .iter()
@@ -38,11 +33,11 @@ pub(super) fn merge(
         .filter(|e| is_in(&seen.replaced, e.patch))
         .map(|e| u64::from(e.units))
         .sum();
-    let others = u64::from(units_per_one) - drawn_units;
-    if others == 0 || lamp_units > u64::from(units_per_one) {
+    let others = u64::from(UNITS_PER_ONE) - drawn_units;
+    if others == 0 || lamp_units > u64::from(UNITS_PER_ONE) {
         return None;
     }
-    let scale = (u64::from(units_per_one) - lamp_units) as f64 / others as f64;
+    let scale = (u64::from(UNITS_PER_ONE) - lamp_units) as f64 / others as f64;
     // Rounding is carried along, so that the sum is kept to the unit.
     let (mut before, mut given) = (0_u64, 0_u64);
     let mut scaled = |units: u32| {

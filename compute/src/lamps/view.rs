@@ -5,14 +5,15 @@ use std::ops::Range;
 use glam::DVec3;
 use scene::{PatchId, Scene, SurfaceId};
 
-use super::cone::{Cone, Sphere};
+use super::cone::Cone;
 use super::find::Lamp;
 use super::merge::{is_in, merge};
 use crate::cpu::{Cull, Projection, Raster, plane_tolerance};
-use crate::hemicube::{self, Frame, Window};
+use crate::hemicube::{Frame, Window};
+use crate::hemicubes::Hemicubes;
 use crate::polygon_form_factor::{above_horizon, point_to_triangle};
 use crate::rows::{Entry, Unseen};
-use crate::settings::FormFactorSettings;
+use crate::sphere::Sphere;
 
 /// Share of the unhidden light of all lamps from which on one has its own view.
 const LEAST_SHARE: f64 = 0.01;
@@ -37,7 +38,7 @@ const WIDEST: f64 = 2.0;
 /// Views lamps for one thread.
 pub(super) struct LampViewer<'a> {
     scene: &'a Scene,
-    settings: FormFactorSettings,
+    hemicubes: &'a Hemicubes<'a>,
     lamps: &'a [Lamp],
     /// Around the surfaces, one each.
     spheres: &'a [Sphere],
@@ -61,19 +62,18 @@ pub(super) struct Seen {
 impl<'a> LampViewer<'a> {
     /// A viewer of these lamps; of all of them, if `all`, whether they matter or not.
     pub fn new(
-        scene: &'a Scene,
-        settings: FormFactorSettings,
+        hemicubes: &'a Hemicubes<'a>,
         lamps: &'a [Lamp],
         spheres: &'a [Sphere],
         all: bool,
     ) -> Self {
         Self {
-            scene,
-            settings,
+            scene: hemicubes.scene(),
+            hemicubes,
             lamps,
             spheres,
             all,
-            plane_tolerance: plane_tolerance(scene),
+            plane_tolerance: plane_tolerance(hemicubes.scene()),
             hiders_and_lamp: Projection::default(),
             lamp_alone: Projection::default(),
             raster: Raster::default(),
@@ -87,7 +87,7 @@ impl<'a> LampViewer<'a> {
         row: &[Entry],
         unseen: Unseen,
     ) -> (Vec<Entry>, Unseen) {
-        let frames = hemicube::frames(self.scene, patch, self.settings.points);
+        let frames = self.hemicubes.frames(patch);
         let own = self.scene.mesh().surface_of(patch);
         let mut chosen = self.choose(own, &frames);
         let seen = loop {
@@ -97,8 +97,7 @@ impl<'a> LampViewer<'a> {
                 Err(missed) => chosen.retain(|&index| index != missed),
             }
         };
-        merge(row, unseen, &seen, self.settings.units_per_one())
-            .unwrap_or_else(|| (row.to_vec(), unseen))
+        merge(row, unseen, &seen).unwrap_or_else(|| (row.to_vec(), unseen))
     }
 
     /// The lamps that matter to a patch.

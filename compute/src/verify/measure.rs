@@ -1,10 +1,13 @@
 //! Measuring a case by the pipeline that solves scenes: back end, rows, solver.
 
+use std::sync::Arc;
+
 use scene::{Provenance, Rgb, Scene, Solution};
 
 use super::case::{Case, Expected, Measure};
 use super::{Accuracy, VerifyError, dense, path_tracer};
 use crate::backend;
+use crate::hemicubes::Hemicubes;
 use crate::lamps::with_lamps;
 use crate::problem::Problem;
 use crate::row_cache::RowCache;
@@ -55,11 +58,11 @@ pub fn measure(
     choice: BackendChoice,
 ) -> Result<(Measured, &'static str), VerifyError> {
     let scene = case.scene.build()?;
-    let settings = accuracy.form_factors;
-    let backend = backend::open(&scene, settings, choice)?;
+    let hemicubes = Arc::new(Hemicubes::new(&scene, accuracy.form_factors));
+    let backend = backend::open(&hemicubes, choice)?;
     let name = backend.name;
-    let source = with_lamps(&scene, settings, accuracy.lamps, backend.source);
-    let rows = RowCache::new(&scene, source, settings, MEMORY_BYTES);
+    let source = with_lamps(&hemicubes, accuracy.lamps, backend.source);
+    let rows = RowCache::new(&hemicubes, source, MEMORY_BYTES);
     let mut bench = Bench {
         scene: &scene,
         rows,

@@ -1,7 +1,7 @@
 //! Small scenes: rooms and boxes, turned in space.
 
-use compute::hemicube::{self, Frame};
-use compute::settings::Points;
+use compute::hemicube::Frame;
+use compute::hemicubes::Hemicubes;
 use glam::{DQuat, DVec3, EulerRot};
 use scene::{Material, MaterialId, ObjectId, PatchId, Scene, Surface};
 
@@ -109,5 +109,5 @@ pub fn ruin() -> Model {
 
 /// The hemicube on a patch's centroid.
 pub fn frame(scene: &Scene, patch: PatchId) -> Frame {
-    hemicube::frames(scene, patch, Points::CENTROID)[0]
+    Hemicubes::new(scene, super::settings(2)).frames(patch)[0]
 }

@@ -2,8 +2,8 @@
 
 use compute::cpu::item_buffer::{BACK_FACE, NOTHING};
 use compute::delta_form_factors::DeltaFormFactors;
-use compute::hemicube;
-use compute::rows::{Entry, RowBatch, RowSource, Unseen};
+use compute::hemicubes::Hemicubes;
+use compute::rows::{Entry, RowBatch, RowSource, UNITS_PER_ONE, Unseen};
 use compute::settings::{FormFactorSettings, Maps, Points};
 use scene::{PatchId, Scene};
 
@@ -25,7 +25,7 @@ fn row_on_host(
     let factors = DeltaFormFactors::new(
         settings.maps,
         settings.resolution,
-        settings.units_per_hemicube(),
+        UNITS_PER_ONE / item_buffers.len() as u32,
     );
     let table: Vec<u32> = (0..5)
         .flat_map(|face| factors.face(face))
@@ -62,7 +62,8 @@ fn assert_rows_are_their_item_buffers_sums(
     let rows = gpu.draw_rows(patches.clone()).unwrap();
     assert_eq!(rows.patches(), patches);
     for (k, patch) in patches.enumerate() {
-        let item_buffers: Vec<_> = hemicube::frames(scene, PatchId(patch), settings.points)
+        let item_buffers: Vec<_> = Hemicubes::new(scene, settings)
+            .frames(PatchId(patch))
             .iter()
             .map(|frame| gpu.item_buffer(PatchId(patch), frame).unwrap())
             .collect();
@@ -82,6 +83,7 @@ fn rows_are_the_sums_of_their_item_buffers_to_the_bit() {
         (100, Points::CENTROID, Maps::Exact),
         (128, Points::Vertices, Maps::Exact),
         (50, Points::Bisected { bisections: 4 }, Maps::Thesis),
+        (64, Points::Auto, Maps::Exact),
     ] {
         let settings = FormFactorSettings {
             resolution,
@@ -131,14 +133,13 @@ fn closed_room_sees_itself_completely() {
                 return;
             };
             let rows = gpu.draw_rows(0..scene.patch_count()).unwrap();
-            let one = settings.units_per_one();
             for k in 0..rows.patches().len() {
                 let unseen = rows.unseen(k);
                 assert_eq!(unseen.open, 0, "{points}, patch {k}");
-                let share = f64::from(unseen.back_face) / f64::from(one);
+                let share = f64::from(unseen.back_face) / f64::from(UNITS_PER_ONE);
                 assert!(share <= back_face_share, "{points}, patch {k}: {share}");
                 let sum: u32 = rows.row(k).iter().map(|entry| entry.units).sum();
-                assert_eq!(sum, one - unseen.back_face, "{points}, patch {k}");
+                assert_eq!(sum, UNITS_PER_ONE - unseen.back_face, "{points}, patch {k}");
                 assert!(
                     rows.row(k).is_sorted_by(|a, b| a.patch < b.patch),
                     "{points}, patch {k}"

@@ -1,8 +1,11 @@
 //! The gpu sees what the cpu sees.
 
+use std::sync::Arc;
+
 use compute::cpu::CpuRows;
 use compute::cpu::item_buffer::{BACK_FACE, HemicubeDrawer, NOTHING};
-use compute::rows::{RowBatch, RowSource};
+use compute::hemicubes::Hemicubes;
+use compute::rows::{RowBatch, RowSource, UNITS_PER_ONE};
 use scene::{PatchId, Scene};
 
 use crate::model::{frame, room, ruin};
@@ -153,7 +156,7 @@ fn twins_form_factors_agree() {
     let Some(mut gpu) = open(&scene, settings(100)) else {
         return;
     };
-    let mut cpu = CpuRows::new(&scene, settings(100));
+    let mut cpu = CpuRows::new(&Arc::new(Hemicubes::new(&scene, settings(100))));
     let count = scene.patch_count().min(100);
     let (on_gpu, on_cpu) = (
         gpu.draw_rows(0..count).unwrap(),
@@ -166,7 +169,7 @@ fn twins_form_factors_agree() {
         }
         units
     };
-    let one = f64::from(settings(100).units_per_one());
+    let one = f64::from(UNITS_PER_ONE);
     let mut moved = 0.0;
     for k in 0..count as usize {
         let (a, b) = (dense(&on_gpu, k), dense(&on_cpu, k));
