@@ -11,15 +11,16 @@
 //!
 //! # Practice
 //! A surface counts that rises above the patch's plane, shows its front, and takes at least
-//! `LEAST_FORM_FACTOR` of the centroid's view: the next facet of a smooth concave shape does not.
+//! `LEAST_FORM_FACTOR` of the view of the centroid or of one of the three points: the next facet of a smooth
+//! concave shape does not.
 //! Distances are from the centroid, radii to the farthest corner. One point where nothing that counts is
 //! within `FAR` radii; else three in each of 2^k triangles, with the smallest k up to `MOST_BISECTIONS`
 //! for which
 //!
 //! - the triangles' radii are at most `GAPS` times the distance of what faces the patch (normals more
 //!   than 120 degrees apart): across a narrow gap the view changes along its rim within a gap's width;
-//! - the form factors of what counts within `NEAR` radii change by at most `SETTLED` in sum with the next
-//!   bisection.
+//! - the form factors of what counts within `NEAR` radii change by at most a share `SETTLED` in sum with
+//!   either of the next two bisections.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -37,11 +38,11 @@ const FAR: f64 = 16.0;
 /// Distance in patch radii within which form factors have to settle.
 const NEAR: f64 = 2.0;
 
-/// The least unhidden form factor, from the centroid, of a surface that counts.
+/// The least unhidden form factor of a surface that counts.
 const LEAST_FORM_FACTOR: f64 = 2e-3;
 
-/// Change of the form factors, in sum, that is small enough.
-const SETTLED: f64 = 1e-2;
+/// Sum of the form factors' changes, relative to their sum, that is small enough.
+const SETTLED: f64 = 2e-2;
 
 /// Radius of a triangle in distances of what faces it, at most.
 const GAPS: f64 = 4.0;
@@ -109,6 +110,8 @@ impl<'a> Surroundings<'a> {
             .map(|p| p.distance(centroid))
             .fold(0.0, f64::max);
         let frame = Frame::on_patch(&geometry, normal, centroid, 0.0);
+        let corners = corners.map(|p| frame.to_local(p));
+        let points = Rule::ThreePoint { bisections: 0 }.points(corners);
         let mut rule = FEWEST;
         let mut near: Vec<Neighbour> = Vec::new();
         let mut gap = f64::INFINITY;
@@ -116,7 +119,7 @@ impl<'a> Surroundings<'a> {
             if id == geometry.surface || !sphere.is_within(FAR * radius, centroid) {
                 continue;
             }
-            let Some(neighbour) = self.neighbour(&frame, id) else {
+            let Some(neighbour) = self.neighbour(&frame, &points, id) else {
                 continue;
             };
             let distance = distance_to_triangle(DVec3::ZERO, neighbour.corners);
@@ -133,26 +136,28 @@ impl<'a> Surroundings<'a> {
         if near.is_empty() {
             return rule;
         }
-        let corners = corners.map(|p| frame.to_local(p));
         // Areas are halved, so radii fall by sqrt(2).
         let least = (2.0 * (radius / (GAPS * gap)).log2()).ceil().max(0.0) as u32;
         let least = least.min(MOST_BISECTIONS);
-        rule = Rule::ThreePoint { bisections: least };
-        let mut means = self.means(rule, corners, &near);
-        for bisections in least + 1..=MOST_BISECTIONS {
-            let finer = Rule::ThreePoint { bisections };
-            let finer_means = self.means(finer, corners, &near);
-            let changes = means.iter().zip(&finer_means).map(|(a, b)| (a - b).abs());
-            if changes.sum::<f64>() <= SETTLED {
-                break;
+        let means = |bisections| self.means(Rule::ThreePoint { bisections }, corners, &near);
+        let mut finer = [means(least), means(least + 1)];
+        for bisections in least..MOST_BISECTIONS {
+            let [here, next] = &finer;
+            let after_next = means(bisections + 2);
+            if is_settled(here, next) && is_settled(here, &after_next) {
+                return Rule::ThreePoint { bisections };
             }
-            (rule, means) = (finer, finer_means);
+            let [_, next] = finer;
+            finer = [next, after_next];
         }
-        rule
+        Rule::ThreePoint {
+            bisections: MOST_BISECTIONS,
+        }
     }
 
-    /// A surface as the patch sees it from its centroid; `None` where it does not count.
-    fn neighbour(&self, frame: &Frame, surface: SurfaceId) -> Option<Neighbour> {
+    /// A surface in a patch's frame, which stands at its centroid; `None` where it does not count, there and
+    /// at some other points.
+    fn neighbour(&self, frame: &Frame, points: &[DVec3], surface: SurfaceId) -> Option<Neighbour> {
         let corners = self
             .scene
             .surface(surface)
@@ -168,8 +173,9 @@ impl<'a> Surroundings<'a> {
                 .cross(corners[2] - corners[0])
                 .normalize_or_zero(),
         };
-        let form_factor = neighbour.form_factor(DVec3::ZERO, self.plane_tolerance);
-        (form_factor >= LEAST_FORM_FACTOR).then_some(neighbour)
+        let counts =
+            |point| neighbour.form_factor(point, self.plane_tolerance) >= LEAST_FORM_FACTOR;
+        (counts(DVec3::ZERO) || points.iter().copied().any(counts)).then_some(neighbour)
     }
 
     /// Mean unhidden form factors over a patch, one per neighbour.
@@ -185,6 +191,12 @@ impl<'a> Surroundings<'a> {
             })
             .collect()
     }
+}
+
+/// True where what a finer rule gives differs little in sum.
+fn is_settled(means: &[f64], finer: &[f64]) -> bool {
+    let changes = means.iter().zip(finer).map(|(a, b)| (a - b).abs());
+    changes.sum::<f64>() <= SETTLED * finer.iter().sum::<f64>()
 }
 
 /// A surface in a patch's frame.
