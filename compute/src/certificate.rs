@@ -197,11 +197,10 @@ fn shares(rows: &RowCache, loss: Loss) -> impl Iterator<Item = (usize, f64)> {
 
 /// How far any patch's hemisphere is from being accounted for.
 fn closure_error(rows: &RowCache) -> f64 {
-    let units_per_one = rows.units_per_one();
     shares(rows, Loss::Opening)
         .zip(shares(rows, Loss::BackFaces))
         .map(|((j, open), (_, back_face))| {
-            (rows.received().row_sum(j, units_per_one) + open + back_face - 1.0).abs()
+            (rows.received().row_sum(j) + open + back_face - 1.0).abs()
         })
         .fold(0.0, f64::max)
 }
@@ -212,12 +211,11 @@ fn object_name(scene: &Scene, patch: usize) -> String {
 }
 
 fn reciprocity(scene: &Scene, areas: &[f64], rows: &RowCache) -> Reciprocity {
-    let units_per_one = rows.units_per_one();
     let (mut squares, mut whole) = (0.0, 0.0);
     let (mut worst_patch, mut worst) = (0, 0.0_f64);
     for (j, &area) in areas.iter().enumerate() {
-        let sent = area * rows.received().row_sum(j, units_per_one);
-        let received = rows.received().area(j, units_per_one);
+        let sent = area * rows.received().row_sum(j);
+        let received = rows.received().area(j);
         let larger = sent.max(received);
         let difference = if larger > 0.0 {
             (received - sent) / larger

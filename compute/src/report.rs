@@ -211,7 +211,7 @@ pub fn measure(
         let leaving = area * radiosity[i].as_dvec3();
         lost += open * leaving;
         back += back_face * leaving;
-        let sum = rows.received().row_sum(i, rows.units_per_one());
+        let sum = rows.received().row_sum(i);
         sum_min = sum_min.min(sum);
         sum_max = sum_max.max(sum);
         sum_area += area * sum;

@@ -10,13 +10,13 @@ use std::ops::Range;
 pub const UNITS_PER_ONE: u32 = ((1 << 22) - 1) << 10;
 
 /// One non-zero form factor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
     /// The patch j that receives.
     pub patch: u32,
-    /// F_ij in units of 1/[`UNITS_PER_ONE`].
-    pub units: u32,
+    /// F_ij in units of 1/[`UNITS_PER_ONE`]: a whole number where pixels were counted, rounded to 24 bits; of
+    /// any size where a formula gave it, since a lamp can be too far away for a unit.
+    pub units: f32,
 }
 
 /// What of a hemisphere is not seen as a patch's front, in units of 1/[`UNITS_PER_ONE`].
@@ -29,7 +29,7 @@ pub struct Unseen {
 }
 
 /// Rows of consecutive patches.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RowBatch {
     first_patch: u32,
     /// Where each row ends in `entries`, one per row.

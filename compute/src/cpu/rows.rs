@@ -169,7 +169,10 @@ impl Merger {
                 } else if patch == back_face {
                     unseen.back_face = units;
                 } else if units != 0 {
-                    row.push(Entry { patch, units });
+                    row.push(Entry {
+                        patch,
+                        units: units as f32,
+                    });
                 }
             }
         }

@@ -5,7 +5,9 @@ use std::ops::Range;
 
 use super::adapter::Gpu;
 use super::atlas::AtlasLayout;
-use super::structs::{self, MergeSettings, PIXELS_PER_THREAD, RowSummary, Tile, WORKGROUP_SIZE};
+use super::structs::{
+    self, CountedEntry, MergeSettings, PIXELS_PER_THREAD, RowSummary, Tile, WORKGROUP_SIZE,
+};
 use crate::hemicube;
 use crate::hemicubes::Hemicubes;
 use crate::rows::{BackendError, Entry, RowBatch, Unseen};
@@ -54,7 +56,7 @@ impl Merger {
             hemicube::pixel_count(layout.resolution) as u64 * u64::from(hemicubes_per_row);
         let entries_per_row = u64::from(patch_count).min(pixels_per_row);
         let sums_bytes = sums_per_row * size_of::<u32>() as u64;
-        let entries_bytes = entries_per_row * size_of::<Entry>() as u64;
+        let entries_bytes = entries_per_row * size_of::<CountedEntry>() as u64;
         let factors: Vec<u32> = hemicubes
             .tables()
             .flat_map(|(_, table)| [table.face(0), table.face(1)])
@@ -237,7 +239,7 @@ impl Merger {
     }
 
     fn read_entries(&mut self, gpu: &Gpu, count: u32) -> Result<Vec<Entry>, BackendError> {
-        let bytes = u64::from(count) * size_of::<Entry>() as u64;
+        let bytes = u64::from(count) * size_of::<CountedEntry>() as u64;
         if bytes == 0 {
             return Ok(Vec::new());
         }
@@ -251,7 +253,14 @@ impl Merger {
         let mut encoder = gpu.encoder();
         encoder.copy_buffer_to_buffer(&self.entries, 0, &self.entries_readback, 0, bytes);
         gpu.run(encoder)?;
-        gpu.read(&self.entries_readback, bytes, bytemuck::pod_collect_to_vec)
+        gpu.read(&self.entries_readback, bytes, |bytes| {
+            let counted: Vec<CountedEntry> = bytemuck::pod_collect_to_vec(bytes);
+            let entry = |CountedEntry { patch, units }| Entry {
+                patch,
+                units: units as f32,
+            };
+            counted.into_iter().map(entry).collect()
+        })
     }
 
     fn summaries_bytes(&self) -> u64 {

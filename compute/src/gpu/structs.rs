@@ -131,6 +131,16 @@ pub struct RowSummary {
     pub back_face: u32,
 }
 
+/// An entry of a row, as the device counts it: [`crate::rows::Entry`] in whole units.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct CountedEntry {
+    /// The patch that receives.
+    pub patch: u32,
+    /// Its form factor in units.
+    pub units: u32,
+}
+
 /// The text of `item_buffer.wgsl`, ready to compile.
 pub fn item_buffer_wgsl() -> String {
     with_constants(include_str!("item_buffer.wgsl"))
@@ -166,7 +176,6 @@ mod tests {
     use std::mem::offset_of;
 
     use super::*;
-    use crate::rows::Entry;
 
     /// Name, offset and size of each member; and the size of the whole.
     type Layout = (Vec<(String, u32, u32)>, u32);
@@ -233,7 +242,7 @@ mod tests {
             // `patch` is a reserved word in WGSL.
             (
                 "Entry",
-                layout!(Entry { "patch_id" = patch: u32, "units" = units: u32 }),
+                layout!(CountedEntry { "patch_id" = patch: u32, "units" = units: u32 }),
             ),
         ]
     }

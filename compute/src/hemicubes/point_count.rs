@@ -12,7 +12,7 @@
 //! # Practice
 //! A surface counts that rises above the patch's plane, shows its front, and takes at least
 //! `LEAST_FORM_FACTOR` of the view of the centroid or of one of the three points: the next facet of a smooth
-//! concave shape does not.
+//! concave shape does not. What emits counts in any case.
 //! Distances are from the centroid, radii to the farthest corner. One point where nothing that counts is
 //! within `FAR` radii; else three in each of 2^k triangles, with the smallest k up to `MOST_BISECTIONS`
 //! for which
@@ -175,7 +175,11 @@ impl<'a> Surroundings<'a> {
         };
         let counts =
             |point| neighbour.form_factor(point, self.plane_tolerance) >= LEAST_FORM_FACTOR;
-        (counts(DVec3::ZERO) || points.iter().copied().any(counts)).then_some(neighbour)
+        let emits = self
+            .scene
+            .material(self.scene.surface(surface).material)
+            .is_emitter();
+        (emits || counts(DVec3::ZERO) || points.iter().copied().any(counts)).then_some(neighbour)
     }
 
     /// Mean unhidden form factors over a patch, one per neighbour.

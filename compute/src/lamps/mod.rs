@@ -13,7 +13,8 @@
 //! delta form factor. A lamp that nothing hides is exact.
 //!
 //! # Practice
-//! Emitting surfaces that touch in one plane are one lamp. A lamp matters to a patch when, unhidden, it
+//! Emitting surfaces of one material that touch are one lamp where they lie in one plane or make a
+//! convex body, of which no part hides another. A lamp matters to a patch when, unhidden, it
 //! would bring at least a hundredth (LEAST_SHARE) of all that lamps could bring there, and it is among the first
 //! eight (MOST_VIEWS) by that measure: a thousand equal lamps are left to the hemicube, where their errors
 //! average out. In the patch's row the hemicube's entries for the lamp give way to these, and the others are
@@ -22,6 +23,7 @@
 mod cone;
 mod find;
 mod merge;
+mod piece;
 mod view;
 
 use std::ops::Range;

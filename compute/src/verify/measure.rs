@@ -160,12 +160,12 @@ impl Bench<'_> {
         let (mut weighted, mut area) = (0.0, 0.0);
         for run in self.patches_of(from) {
             self.each_row(run, |i, row| {
-                let units: u64 = row
+                let units: f64 = row
                     .iter()
                     .filter(|entry| is_target[entry.patch as usize])
-                    .map(|entry| u64::from(entry.units))
+                    .map(|entry| f64::from(entry.units))
                     .sum();
-                weighted += areas[i as usize] * units as f64;
+                weighted += areas[i as usize] * units;
                 area += areas[i as usize];
             })?;
         }
@@ -194,8 +194,8 @@ impl Bench<'_> {
         let units_per_one = f64::from(self.rows.units_per_one());
         let mut sums = Vec::new();
         self.each_row(0..self.scene.patch_count(), |_, row| {
-            let units: u64 = row.iter().map(|entry| u64::from(entry.units)).sum();
-            sums.push(units as f64 / units_per_one);
+            let units: f64 = row.iter().map(|entry| f64::from(entry.units)).sum();
+            sums.push(units / units_per_one);
         })?;
         Ok(sums)
     }
