@@ -118,7 +118,7 @@ fn a_furnace_passes() {
     let certificate = assert_passes(folder.path(), &[]);
     assert_eq!(certificate["open_share"], 0.0);
     assert_eq!(certificate["back_face_share"], 0.0);
-    assert_eq!(certificate["closure_error"], 0.0);
+    assert!(certificate["closure_error"].as_f64().unwrap() < common::methods::ROUNDING);
     assert_eq!(certificate["hidden_patches"], 0);
     assert_eq!(certificate["looks_closed"], true);
     assert!(certificate["opening"].is_null() && certificate["back_faces"].is_null());
@@ -458,14 +458,20 @@ fn a_closed_box_has_view_factors_that_sum_to_one_and_know_their_reciprocity() {
     for wall in WALLS {
         let of_wall: Vec<_> = found.iter().filter(|((from, _), _)| from == wall).collect();
         let sum: f64 = of_wall.iter().map(|(_, line)| line.view_factor).sum();
-        assert!((sum - 1.0).abs() < ROUNDING, "{wall}: {sum}");
+        assert!(
+            (sum - 1.0).abs() < common::methods::ROUNDING,
+            "{wall}: {sum}"
+        );
         for ((from, to), line) in of_wall {
             let back = &found[&(to.clone(), from.clone())];
             assert_eq!(
                 (back.area_from, back.area_to),
                 (line.area_to, line.area_from)
             );
-            assert!((line.row_sum_from - 1.0).abs() < ROUNDING, "{line:?}");
+            assert!(
+                (line.row_sum_from - 1.0).abs() < common::methods::ROUNDING,
+                "{line:?}"
+            );
             let (there, back_again) = (
                 line.area_from * line.view_factor,
                 back.area_from * back.view_factor,

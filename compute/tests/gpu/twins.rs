@@ -163,9 +163,9 @@ fn twins_form_factors_agree() {
         cpu.draw_rows(0..count).unwrap(),
     );
     let dense = |rows: &RowBatch, k: usize| {
-        let mut units = vec![0_i64; scene.patch_count() as usize];
+        let mut units = vec![0.0; scene.patch_count() as usize];
         for entry in rows.row(k) {
-            units[entry.patch as usize] = entry.units.into();
+            units[entry.patch as usize] = f64::from(entry.units);
         }
         units
     };
@@ -173,8 +173,8 @@ fn twins_form_factors_agree() {
     let mut moved = 0.0;
     for k in 0..count as usize {
         let (a, b) = (dense(&on_gpu, k), dense(&on_cpu, k));
-        let units: i64 = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).sum();
-        moved += units as f64 / one;
+        let units: f64 = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).sum();
+        moved += units / one;
     }
     // Each pixel that differs moves its share from one patch to another.
     let mean = moved / f64::from(count);
