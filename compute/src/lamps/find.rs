@@ -2,7 +2,7 @@
 
 use scene::{Scene, SurfaceId};
 
-use crate::cpu::plane_tolerance;
+use crate::cpu::{is_in_plane, plane_tolerance, reach};
 
 /// Emitting surfaces that touch in one plane.
 #[derive(Clone, Debug)]
@@ -77,9 +77,11 @@ fn is_one_plane(scene: &Scene, a: SurfaceId, b: SurfaceId, tolerance: f64) -> bo
     let (a, b) = (scene.surface(a), scene.surface(b));
     let normal = a.normal();
     let through = a.corners[0].as_dvec3();
+    let reach = reach(a).max(reach(b));
     a.material == b.material
         && normal.dot(b.normal()) > 0.0
-        && b.corners
-            .iter()
-            .all(|p| (p.as_dvec3() - through).dot(normal).abs() <= tolerance)
+        && b.corners.iter().all(|p| {
+            let height = (p.as_dvec3() - through).dot(normal).abs();
+            is_in_plane(height, tolerance, normal, reach)
+        })
 }

@@ -8,7 +8,7 @@ use scene::{PatchId, Scene, SurfaceId};
 use super::cone::{Cone, Sphere};
 use super::find::Lamp;
 use super::merge::{is_in, merge};
-use crate::cpu::{Cull, Projection, Raster, plane_tolerance};
+use crate::cpu::{Cull, Projection, Raster, is_in_plane, plane_tolerance, reach};
 use crate::hemicube::{self, Frame, Window};
 use crate::polygon_form_factor::{above_horizon, point_to_triangle};
 use crate::rows::{Entry, Unseen};
@@ -141,7 +141,8 @@ impl<'a> LampViewer<'a> {
     fn faces(&self, frame: &Frame, lamp: &Lamp) -> bool {
         let surface = self.scene.surface(lamp.surfaces[0]);
         let height = (frame.position - surface.corners[0].as_dvec3()).dot(surface.normal());
-        height > self.plane_tolerance
+        let reach = reach(surface).max(frame.position.abs());
+        height > 0.0 && !is_in_plane(height, self.plane_tolerance, surface.normal(), reach)
     }
 
     /// Form factor of a lamp if nothing hides it, dimensionless.
@@ -271,6 +272,7 @@ impl<'a> LampViewer<'a> {
         self.lamp_alone.set_some(
             self.scene,
             frame,
+            Some(own),
             lamp.surfaces.iter().copied(),
             true,
             Cull::BackFaces,
@@ -297,6 +299,7 @@ impl<'a> LampViewer<'a> {
         self.hiders_and_lamp.set_some(
             self.scene,
             frame,
+            Some(own),
             hiders
                 .filter(|&(id, sphere)| id != own && cone.meets(sphere))
                 .map(|(id, _)| id),
