@@ -5,6 +5,7 @@ mod common;
 
 mod corners;
 mod emission;
+mod lamps;
 mod overlaps;
 mod reflectance;
 mod scale;
