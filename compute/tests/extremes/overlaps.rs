@@ -1,12 +1,14 @@
 //! Surfaces that lie in each other, bodies that cut each other, and patches inside bodies.
 
 use compute::certificate::certify;
+use compute::cpu::item_buffer::{BACK_FACE, HemicubeDrawer};
+use compute::hemicube::Frame;
 use compute::rows::RowBatch;
 use glam::{DVec3, Vec3};
-use scene::{MaterialId, ObjectId, Scene, Surface};
+use scene::{MaterialId, ObjectId, PatchId, Scene, Surface};
 
 use super::{all_rows, cache, settings};
-use crate::common::{block, compute, folder, material, quad, save, stderr};
+use crate::common::{self, block, compute, folder, material, quad, save, stderr};
 
 fn room() -> Vec<Surface> {
     block(Vec3::ZERO, Vec3::new(4.0, 3.0, 2.0), false, 0)
@@ -150,4 +152,38 @@ fn a_patch_inside_a_solid_has_no_part_in_the_exchange() {
         Some(with.patch_count() - count as u32)
     );
     assert_eq!(certificate.back_faces.map(|finding| finding.share), None);
+}
+
+/// Rays exactly through the edges of a solid, where its fronts and its backs meet at equal depths, see a
+/// front: the hemicube stands at the origin along the axes, and the box's sides are cut by the pixels'
+/// centres, (k + 1/2) / 32, at the height of its bottom, or of its top.
+#[test]
+fn rays_along_the_silhouette_of_a_solid_never_see_its_inside() {
+    let resolution = 64;
+    let frame = Frame {
+        position: DVec3::ZERO,
+        tangent: DVec3::X,
+        bitangent: DVec3::Y,
+        normal: DVec3::Z,
+    };
+    let hall = block(Vec3::new(-9.0, -9.0, 0.0), Vec3::splat(9.0), false, 0);
+    // The patch below the hemicube.
+    let own = hall
+        .iter()
+        .position(|s| s.corners.iter().all(|p| p.z == 0.0))
+        .unwrap();
+    let centre = |k: i32| (k as f32 + 0.5) / 32.0;
+    for (height, left) in (-28..28).map(|k| (0.7 + 0.05 * (k + 28) as f32, centre(k))) {
+        for far in [height, height + 0.3] {
+            let low = Vec3::new(left * far, centre(-5) * height, height);
+            let high = Vec3::new(low.x + 0.4 * height, centre(9) * far, height + 0.3);
+            let mut surfaces = hall.clone();
+            surfaces.extend(block(low, high, true, 0));
+            let scene = common::scene(vec![material(0.5, 1.0)], surfaces, f64::INFINITY);
+            let ids =
+                HemicubeDrawer::new(&scene, resolution).item_buffer(PatchId(own as u32), &frame);
+            let backs = ids.iter().filter(|&&id| id == BACK_FACE).count();
+            assert_eq!(backs, 0, "{low} {high}");
+        }
+    }
 }
