@@ -16,6 +16,7 @@ use crate::progress::{Position, Progress};
 use crate::report::{self, BackendReport, Report, RowsReport, Seconds, SettingsReport, StoppedBy};
 use crate::row_cache::RowCache;
 use crate::settings::{Settings, SolverChoice};
+use crate::solver::convergence::Convergence;
 use crate::solver::{Gather, Shoot, Solver, Update};
 use crate::{certificate, form_factors_csv, interrupt, view_factors};
 
@@ -148,6 +149,7 @@ impl<'a> Run<'a> {
             iterations: solution.provenance.iterations,
             iterations_before,
             next_iteration_share: solution.next_iteration_share(),
+            convergence: Convergence::new(settings.solver, &solution.provenance.residuals),
             residuals: solution.provenance.residuals,
             energy,
             closure,
@@ -155,10 +157,8 @@ impl<'a> Run<'a> {
             certificate,
             stopped_by,
         };
-        if !settings.strict {
-            for warning in report.certificate.warnings() {
-                eprintln!("compute: warning: {warning}");
-            }
+        for warning in report.warnings() {
+            eprintln!("compute: warning: {warning}");
         }
         if let Some(path) = &settings.report {
             write_report(path, &report)?;

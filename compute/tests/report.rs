@@ -102,6 +102,10 @@ fn report_has_every_field_of_the_contract() {
             || cfg!(not(target_os = "linux"))
     );
     assert_eq!(numbers(&report["residuals"]).len(), 3);
+    for path in ["rate", "estimated_error", "rounding_error"] {
+        let share = number(&report, &format!("/convergence/{path}"));
+        assert!((0.0..1.0).contains(&share), "{path} is {share}");
+    }
     let solution = load(folder.path(), "out.rad");
     assert_eq!(numbers(&report["residuals"]), solution.provenance.residuals);
 

@@ -73,7 +73,14 @@ fn project(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance
     // and little is lost; turned into the face's, every product would be rounded.
     let normal = cross(surface.corner_1 - surface.corner_0, surface.corner_2 - surface.corner_0);
     let determinant = dot(normal, q_0);
-    if abs(determinant) <= settings.plane_tolerance * length(normal) {
+    // As cpu::is_in_plane, both sides times the normal's length.
+    let far_corner = max(max(abs(surface.corner_0), abs(surface.corner_1)), abs(surface.corner_2));
+    let reach = max(far_corner, abs(face.eye_high));
+    let tolerance = min(
+        settings.plane_tolerance * length(normal),
+        COORDINATE_ULPS * dot(abs(normal), reach),
+    );
+    if abs(determinant) <= tolerance {
         // Edge-on: all three corners in one point outside the picture.
         seen.position = vec4f(2.0, 2.0, 0.0, 1.0);
         return seen;

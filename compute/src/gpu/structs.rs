@@ -6,6 +6,8 @@
 use bytemuck::{Pod, Zeroable};
 use scene::NO_PATCH;
 
+use crate::cpu::COORDINATE_ULPS;
+
 /// Alpha of a pixel that sees nothing: the value the atlas is cleared to.
 pub const ALPHA_NOTHING: u8 = 0;
 /// Alpha of a pixel that sees the back of a surface.
@@ -79,7 +81,7 @@ pub struct Face {
 pub struct DrawSettings {
     /// Distance of the near plane, metres.
     pub near: f32,
-    /// Distance of the eye from a surface's plane up to which it is seen edge-on, metres.
+    /// Distance of the eye from a surface's plane up to which it is seen edge-on at most, metres.
     pub plane_tolerance: f32,
     /// Side of a pixel on the plane at distance 1, dimensionless.
     pub pixel: f32,
@@ -164,6 +166,10 @@ fn with_constants(wgsl: &str) -> String {
         .map(|(name, value)| format!("const {name}: u32 = {value}u;\n"))
         .chain([
             format!("const BACK_FACE_RETREAT: f32 = {BACK_FACE_RETREAT:?}f;\n"),
+            format!(
+                "const COORDINATE_ULPS: f32 = {:?}f;\n",
+                COORDINATE_ULPS as f32
+            ),
             format!("const BACK_FACE_MARGIN: f32 = {BACK_FACE_MARGIN:?}f;\n"),
             wgsl.into(),
         ])

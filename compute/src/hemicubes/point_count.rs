@@ -27,7 +27,7 @@ use rayon::prelude::*;
 use scene::{PatchId, Scene, SurfaceId};
 
 use super::Rule;
-use crate::cpu::plane_tolerance;
+use crate::cpu::{COORDINATE_ULPS, is_in_plane, plane_tolerance, reach};
 use crate::hemicube::Frame;
 use crate::polygon_form_factor::point_to_triangle;
 use crate::sphere::Sphere;
@@ -163,18 +163,22 @@ impl<'a> Surroundings<'a> {
             .surface(surface)
             .corners
             .map(|p| frame.to_local(p.as_dvec3()));
-        let rises = corners.iter().any(|q| q.z > self.plane_tolerance);
-        if !rises {
+        let reach = reach(self.scene.surface(surface)).max(frame.position.abs());
+        let height = corners.iter().fold(0.0, |most, q| q.z.max(most));
+        if height == 0.0 || is_in_plane(height, self.plane_tolerance, frame.normal, reach) {
             return None;
         }
+        let normal = self.scene.surface(surface).normal();
         let neighbour = Neighbour {
             corners,
+            plane_tolerance: self
+                .plane_tolerance
+                .min(COORDINATE_ULPS * normal.abs().dot(reach)),
             normal: (corners[1] - corners[0])
                 .cross(corners[2] - corners[0])
                 .normalize_or_zero(),
         };
-        let counts =
-            |point| neighbour.form_factor(point, self.plane_tolerance) >= LEAST_FORM_FACTOR;
+        let counts = |point| neighbour.form_factor(point) >= LEAST_FORM_FACTOR;
         let emits = self
             .scene
             .material(self.scene.surface(surface).material)
@@ -189,7 +193,7 @@ impl<'a> Surroundings<'a> {
             .map(|neighbour| {
                 let sum: f64 = points
                     .iter()
-                    .map(|&point| neighbour.form_factor(point, self.plane_tolerance))
+                    .map(|&point| neighbour.form_factor(point))
                     .sum();
                 sum / points.len() as f64
             })
@@ -207,12 +211,14 @@ fn is_settled(means: &[f64], finer: &[f64]) -> bool {
 struct Neighbour {
     corners: [DVec3; 3],
     normal: DVec3,
+    /// Distance from its plane that may be rounding alone, metres.
+    plane_tolerance: f64,
 }
 
 impl Neighbour {
     /// What a point of the patch sees of it if nothing hides it, dimensionless.
-    fn form_factor(&self, point: DVec3, plane_tolerance: f64) -> f64 {
-        if (point - self.corners[0]).dot(self.normal) <= plane_tolerance {
+    fn form_factor(&self, point: DVec3) -> f64 {
+        if (point - self.corners[0]).dot(self.normal) <= self.plane_tolerance {
             return 0.0;
         }
         point_to_triangle(self.corners.map(|corner| corner - point))

@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::{DVec3, Vec3};
 use scene::{Scene, SurfaceId};
 
-use crate::cpu::plane_tolerance;
+use crate::cpu::{is_in_plane, plane_tolerance, reach};
 
 /// Emitting surfaces that touch, in one plane or as a convex body.
 #[derive(Clone, Debug)]
@@ -137,9 +137,11 @@ fn is_convex(scene: &Scene, surfaces: &[SurfaceId], tolerance: f64) -> bool {
         && surfaces.iter().all(|&id| {
             let surface = scene.surface(id);
             let (normal, through) = (surface.normal(), surface.corners[0].as_dvec3());
-            corners
-                .iter()
-                .all(|&p| (p - through).dot(normal) <= tolerance)
+            let reach = reach(surface);
+            corners.iter().all(|&p| {
+                let height = (p - through).dot(normal);
+                height <= 0.0 || is_in_plane(height, tolerance, normal, reach.max(p.abs()))
+            })
         })
 }
 
@@ -148,9 +150,11 @@ fn is_one_plane(scene: &Scene, a: SurfaceId, b: SurfaceId, tolerance: f64) -> bo
     let (a, b) = (scene.surface(a), scene.surface(b));
     let normal = a.normal();
     let through = a.corners[0].as_dvec3();
+    let reach = reach(a).max(reach(b));
     a.material == b.material
         && normal.dot(b.normal()) > 0.0
-        && b.corners
-            .iter()
-            .all(|p| (p.as_dvec3() - through).dot(normal).abs() <= tolerance)
+        && b.corners.iter().all(|p| {
+            let height = (p.as_dvec3() - through).dot(normal).abs();
+            is_in_plane(height, tolerance, normal, reach)
+        })
 }

@@ -9,7 +9,7 @@ use super::cone::Cone;
 use super::find::Lamp;
 use super::merge::{is_in, merge};
 use super::piece::{Piece, pieces};
-use crate::cpu::{Cull, Projection, Raster, plane_tolerance};
+use crate::cpu::{Cull, Projection, Raster, is_in_plane, plane_tolerance, reach};
 use crate::hemicube::Frame;
 use crate::hemicubes::Hemicubes;
 use crate::polygon_form_factor::{in_front, point_to_polygon};
@@ -134,8 +134,10 @@ impl<'a> LampViewer<'a> {
             .iter()
             .map(|&id| self.scene.surface(id))
             .filter(|surface| {
-                let height = (frame.position - surface.corners[0].as_dvec3()).dot(surface.normal());
-                height > self.plane_tolerance
+                let normal = surface.normal();
+                let height = (frame.position - surface.corners[0].as_dvec3()).dot(normal);
+                let reach = reach(surface).max(frame.position.abs());
+                height > 0.0 && !is_in_plane(height, self.plane_tolerance, normal, reach)
             })
             .map(|surface| surface.corners.map(|p| frame.to_local(p.as_dvec3())))
             .map(|corners| in_front(&corners, DVec3::Z))
@@ -197,6 +199,7 @@ impl<'a> LampViewer<'a> {
         self.lamp_alone.set_some(
             self.scene,
             frame,
+            Some(own),
             lamp.surfaces.iter().copied(),
             true,
             Cull::BackFaces,
@@ -220,6 +223,7 @@ impl<'a> LampViewer<'a> {
         self.hiders_and_lamp.set_some(
             self.scene,
             frame,
+            Some(own),
             hiders
                 .filter(|&(id, sphere)| id != own && cone.meets(sphere))
                 .map(|(id, _)| id),

@@ -107,6 +107,13 @@ pub fn ruin() -> Model {
     model
 }
 
+/// The room, with a box outside it that is millions of times as far away as its walls.
+pub fn room_far_from_a_box() -> Model {
+    let mut model = room();
+    model.cuboid(DVec3::splat(1e7), DVec3::splat(1.1e7), false);
+    model
+}
+
 /// The hemicube on a patch's centroid.
 pub fn frame(scene: &Scene, patch: PatchId) -> Frame {
     Hemicubes::new(scene, super::settings(2)).frames(patch)[0]

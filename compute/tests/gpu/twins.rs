@@ -8,7 +8,7 @@ use compute::hemicubes::Hemicubes;
 use compute::rows::{RowBatch, RowSource, UNITS_PER_ONE};
 use scene::{PatchId, Scene};
 
-use crate::model::{frame, room, ruin};
+use crate::model::{frame, room, room_far_from_a_box, ruin};
 use crate::{open, settings};
 
 /// Pixels that may differ between the twins, of all pixels: corners are f32 here and f64 there, and
@@ -117,6 +117,20 @@ fn twins_see_the_same_but_for_pixels_on_edges() {
             }
         }
     }
+}
+
+/// What is near is seen as well in a scene with things far away; the cpu's twin test is
+/// `geometry_far_outside_a_closed_room_changes_no_bit_inside`.
+#[test]
+fn regression_twins_see_the_same_in_a_room_far_from_something() {
+    // No depth changes where the far box comes last.
+    let scene = room_far_from_a_box().scene(f64::INFINITY);
+    let alone = room().scene(f64::INFINITY);
+    let Some(comparison) = compare(&alone, &scene, 100, alone.patch_count()) else {
+        return;
+    };
+    println!("{comparison:?}");
+    assert!(comparison.agrees(), "{comparison:?}");
 }
 
 #[test]
