@@ -80,28 +80,39 @@ impl Convergence {
         Some((left.ln() / self.rate.ln()).ceil() as u64)
     }
 
-    /// What a user should know who asked for a residual of `tolerance`, if anything.
+    /// The residual of a gathering solver that is within `error`, dimensionless.
+    fn residual_at(&self, error: f64) -> f64 {
+        (error / (1.0 - error) * (1.0 - self.rate) - ROUNDING) / self.rate
+    }
+
+    /// What a user should know whose gathering solver stopped at a residual of `tolerance`, if anything.
     pub fn warning(&self, tolerance: f64) -> Option<String> {
         let most = ERROR_TOLERANCE.max(tolerance);
         if self.estimated_error <= most {
             return None;
         }
-        let remedy = match self.iterations_to(most) {
-            Some(more) => format!(
-                "about {more} more iterations come within {} percent: go on with a smaller --tolerance",
-                100.0 * most
-            ),
-            None => format!(
-                "rounding may keep {:.1} percent whatever the iterations: lower the highest reflectances",
+        let mut parts = vec![format!(
+            "not converged: radiosities hardly change any more, but are an estimated {:.1} percent from the \
+             solution, since an iteration takes only {:.1e} percent of that away",
+            100.0 * self.estimated_error,
+            100.0 * (1.0 - self.rate)
+        )];
+        // Where rounding keeps the most away, twice of it can be had.
+        let least = most.max(2.0 * self.rounding_error);
+        if let Some(more @ 1..) = self.iterations_to(least) {
+            parts.push(format!(
+                "about {more} more, with --tolerance {:.1e}, come within {:.1} percent",
+                self.residual_at(least),
+                100.0 * least
+            ));
+        }
+        if least > most {
+            parts.push(format!(
+                "rounding alone may keep {:.1} percent: lower the highest reflectances",
                 100.0 * self.rounding_error
-            ),
-        };
-        Some(format!(
-            "each iteration leaves a share of {} of what is wrong, so that the radiosities are an estimated \
-             {:.1} percent off though they hardly change any more; {remedy}",
-            self.rate,
-            100.0 * self.estimated_error
-        ))
+            ));
+        }
+        Some(parts.join("; "))
     }
 }
 

@@ -9,7 +9,7 @@ use scene::{Scene, Solution};
 use crate::common::methods::{
     Method, ROUNDING, ROUNDINGS_PER_RADIOSITY, converge, iterate, radiosity, rows, solver,
 };
-use crate::common::{self, block, compute, folder, material, save, scene, solve, stderr};
+use crate::common::{self, block, compute, folder, load, material, save, scene, solve, stderr};
 
 /// The default of `--tolerance`.
 const TOLERANCE: f64 = 1e-5;
@@ -128,8 +128,8 @@ fn announced_iterations_bring_the_furnace_within_a_thousandth() {
 fn program_warns_of_false_convergence() {
     let folder = folder();
     for (reflectance, words) in [
-        (0.999_999, &["percent off", "lower the highest"][..]),
-        (0.999, &["percent off", "more iterations", "--tolerance"]),
+        (0.999_999, &["not converged", "lower the highest"][..]),
+        (0.999, &["not converged", "more, with --tolerance"]),
     ] {
         save(folder.path(), "in.rad", &small_furnace(reflectance));
         let arguments = ["in.rad", "out.rad", "8", "--threads", "1"];
@@ -141,6 +141,17 @@ fn program_warns_of_false_convergence() {
         let again = ["out.rad", "again.rad", "8", "--threads", "1"];
         assert_eq!(stderr(&solve(folder.path(), &again)), said);
     }
+    // What the warning tells to do is enough.
+    let said = stderr(&solve(folder.path(), &["out.rad", "again.rad", "8"]));
+    let tolerance = said.split("--tolerance ").nth(1).unwrap();
+    let tolerance = tolerance.split(',').next().unwrap();
+    let arguments = ["out.rad", "again.rad", "8", "--threads", "1"];
+    let more = [&arguments[..], &["--tolerance", tolerance]].concat();
+    assert_eq!(stderr(&solve(folder.path(), &more)), "", "{said}");
+    let solution = load(folder.path(), "again.rad");
+    let error = furnace_error(&small_furnace(0.999), &solution, 0.999);
+    assert!(error <= 2.0 * ERROR_TOLERANCE, "{error:e}");
+
     save(folder.path(), "in.rad", &small_furnace(0.9));
     assert_eq!(
         stderr(&compute(folder.path(), &["in.rad", "out.rad", "8"])),
