@@ -9,7 +9,7 @@ use std::sync::Arc;
 use compute::cpu::item_buffer::{BACK_FACE, HemicubeDrawer, NOTHING};
 use compute::cpu::rows::RowDrawer;
 use compute::hemicubes::Hemicubes;
-use compute::settings::{FormFactorSettings, Maps, Points};
+use compute::settings::{FormFactorSettings, Maps, Points, Turns};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use genx::{Model, Settings};
 use scene::{PatchId, Scene};
@@ -41,6 +41,7 @@ fn hemicubes(scene: &Scene) -> Arc<Hemicubes<'_>> {
         resolution: RESOLUTION,
         maps: Maps::Exact,
         points: Points::CENTROID,
+        turns: Turns::DEFAULT,
     };
     Arc::new(Hemicubes::new(scene, settings))
 }

@@ -12,7 +12,7 @@ use clap::{Args, CommandFactory, Parser, Subcommand};
 use crate::hemicube::MAX_RESOLUTION;
 use crate::quantity::{parse_duration, parse_size};
 use crate::settings::{
-    BackendChoice, FormFactorSettings, LampViews, Maps, Points, Settings, SolverChoice,
+    BackendChoice, FormFactorSettings, LampViews, Maps, Points, Settings, SolverChoice, Turns,
 };
 
 /// Solves a scene by hemicube radiosity.
@@ -75,6 +75,10 @@ struct Arguments {
     /// 6, 12 ... 3072 by a rule of higher order
     #[arg(long, default_value = "auto", value_parser = parse_points)]
     points: Points,
+    /// Hemicubes are turned about their normals, each by its own angle: a number picks the angles, "aligned"
+    /// turns none
+    #[arg(long, default_value = "0", value_name = "SEED", value_parser = parse_turns)]
+    seed: Turns,
     /// Exact views of lamps beside the hemicube: of those that matter, none, or all
     #[arg(long, default_value = "auto", value_parser = choice(&[
         ("auto", LampViews::Auto), ("off", LampViews::Off), ("all", LampViews::All)]))]
@@ -167,6 +171,7 @@ fn settings(arguments: Arguments) -> Settings {
             resolution: arguments.resolution,
             maps: arguments.maps,
             points: arguments.points,
+            turns: arguments.seed,
         },
         lamps: arguments.lamps,
         backend: arguments.backend,
@@ -280,6 +285,17 @@ fn parse_points(text: &str) -> Result<Points, String> {
     }
 }
 
+fn parse_turns(text: &str) -> Result<Turns, String> {
+    match (text, text.parse::<u32>()) {
+        ("aligned", _) => Ok(Turns::Aligned),
+        (_, Ok(seed)) => Ok(Turns::Seeded(seed)),
+        _ => Err(format!(
+            "\"{text}\" is neither aligned nor a whole number from 0 to {}",
+            u32::MAX
+        )),
+    }
+}
+
 fn parse_tolerance(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
@@ -306,6 +322,16 @@ mod tests {
         assert_eq!(parse_points("1"), Ok(Points::CENTROID));
         for bad in ["0", "5", "9", "2048", "6144", "-1", "middle", ""] {
             assert!(parse_points(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn turns_read_back_as_they_show() {
+        for text in ["aligned", "0", "7", "4294967295"] {
+            assert_eq!(parse_turns(text).unwrap().to_string(), text);
+        }
+        for bad in ["4294967296", "-1", "0.5", "on", ""] {
+            assert!(parse_turns(bad).is_err(), "{bad}");
         }
     }
 

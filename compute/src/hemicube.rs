@@ -15,14 +15,16 @@
 //! # Differences
 //! Every hemicube is turned about its normal by an angle of its own. Aligned ones make the same errors
 //! at the edges of small bright surfaces on whole rows of patches, which shows as bands; turned ones
-//! make errors that average out. On a columned room with one small lamp the error of the reflected
-//! radiosity fell from 2.3 to 1.7 percent at 128 pixels and one hemicube a patch, from 1.5 to 0.9 with
-//! four.
+//! make errors that average out: docs/ACCURACY.md has the figures. The pixel grid is not shifted besides:
+//! its pixels would need delta form factors of their own in every hemicube, and what is left to gain is
+//! small.
 
 use std::f64::consts::FRAC_PI_2;
 
 use glam::{DVec3, Vec3};
 use scene::Patch;
+
+use crate::settings::Turns;
 
 /// The largest resolution, pixels along a face.
 pub const MAX_RESOLUTION: u32 = 4096;
@@ -73,10 +75,18 @@ impl Frame {
 }
 
 /// Turn of the hemicube of a number, radians: steps of the golden ratio fill the quarter turn after
-/// which a hemicube repeats, for any run of numbers as evenly as can be (Weyl's sequence).
-pub fn turn(number: u64) -> f64 {
+/// which a hemicube repeats, for any run of numbers as evenly as can be (Weyl's sequence). Seeds start the
+/// sequence elsewhere, in steps of another irrational number.
+pub fn turn(number: u64, turns: Turns) -> f64 {
     const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
-    (number as f64 * GOLDEN_RATIO).fract() * FRAC_PI_2
+    const ROOT_OF_TWO: f64 = std::f64::consts::SQRT_2;
+    match turns {
+        Turns::Aligned => 0.0,
+        Turns::Seeded(seed) => {
+            let quarters = number as f64 * GOLDEN_RATIO + f64::from(seed) * ROOT_OF_TWO;
+            quarters.fract() * FRAC_PI_2
+        }
+    }
 }
 
 /// One face as a picture: rays through the centres of square pixels, in the hemicube's frame.

@@ -172,7 +172,9 @@ impl<'a> Hemicubes<'a> {
             .points(geometry.corners.map(Vec3::as_dvec3));
         (self.first(patch)..)
             .zip(points)
-            .map(|(number, point)| Frame::on_patch(&geometry, normal, point, turn(number)))
+            .map(|(number, point)| {
+                Frame::on_patch(&geometry, normal, point, turn(number, self.settings.turns))
+            })
             .collect()
     }
 

@@ -99,6 +99,8 @@ pub struct SettingsReport {
     pub maps: Maps,
     /// Hemicubes' places.
     pub points: String,
+    /// How hemicubes are turned: a seed, or "aligned".
+    pub seed: String,
     /// Views of lamps.
     pub lamps: LampViews,
     /// Solver.
@@ -358,6 +360,7 @@ impl SettingsReport {
             resolution: settings.form_factors.resolution,
             maps: settings.form_factors.maps,
             points: settings.form_factors.points.to_string(),
+            seed: settings.form_factors.turns.to_string(),
             lamps: settings.lamps,
             solver: settings.solver,
             tolerance: settings.tolerance,

@@ -298,11 +298,12 @@ fn solver(choice: SolverChoice, scene: &Scene, start: Solution) -> Box<dyn Solve
 fn describe(settings: &Settings) -> String {
     let form_factors = settings.form_factors;
     format!(
-        "{}, {} pixels, {:?} maps, points {}, lamps {:?}",
+        "{}, {} pixels, {:?} maps, points {}, seed {}, lamps {:?}",
         settings.solver,
         form_factors.resolution,
         form_factors.maps,
         form_factors.points,
+        form_factors.turns,
         settings.lamps
     )
     .to_lowercase()

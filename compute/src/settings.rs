@@ -54,6 +54,29 @@ pub enum Maps {
     Thesis,
 }
 
+/// How hemicubes are turned about their normals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Turns {
+    /// All along their patches' reference edges.
+    Aligned,
+    /// Each by an angle of its own; another number gives other angles.
+    Seeded(u32),
+}
+
+impl Turns {
+    /// What a run does unless it is asked for something else.
+    pub const DEFAULT: Self = Self::Seeded(0);
+}
+
+impl std::fmt::Display for Turns {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Aligned => f.write_str("aligned"),
+            Self::Seeded(seed) => write!(f, "{seed}"),
+        }
+    }
+}
+
 /// Which lamps get a view of their own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -109,6 +132,8 @@ pub struct FormFactorSettings {
     pub maps: Maps,
     /// Where a patch's hemicubes stand.
     pub points: Points,
+    /// How they are turned.
+    pub turns: Turns,
 }
 
 /// Everything `compute` is asked to do.

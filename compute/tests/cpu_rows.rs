@@ -9,7 +9,7 @@ use compute::cpu::item_buffer::{BACK_FACE, HemicubeDrawer, NOTHING};
 use compute::hemicube::{self, Frame};
 use compute::hemicubes::Hemicubes;
 use compute::rows::{RowBatch, RowSource, UNITS_PER_ONE, Unseen};
-use compute::settings::{FormFactorSettings, Maps, Points};
+use compute::settings::{FormFactorSettings, Maps, Points, Turns};
 use glam::{DVec3, Vec3};
 use scene::{PatchId, Scene, SurfaceId};
 
@@ -18,6 +18,7 @@ fn settings(resolution: u32, points: Points) -> FormFactorSettings {
         resolution,
         maps: Maps::Exact,
         points,
+        turns: Turns::DEFAULT,
     }
 }
 

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{compute, folder, solve, stderr, stdout};
-use compute::settings::{FormFactorSettings, LampViews, Maps, Points};
+use compute::settings::{FormFactorSettings, LampViews, Maps, Points, Turns};
 use compute::verify::case::{Case, Expected};
 use compute::verify::{Accuracy, Backends, Format, Settings, run_cases, select};
 use serde_json::Value;
@@ -18,6 +18,7 @@ fn settings() -> Settings {
                 resolution: 32,
                 maps: Maps::Exact,
                 points: Points::CENTROID,
+                turns: Turns::DEFAULT,
             },
             lamps: LampViews::Off,
         },

@@ -8,7 +8,7 @@ use compute::lamps::with_lamps;
 use compute::problem::Problem;
 use compute::report::{self, Closure};
 use compute::row_cache::RowCache;
-use compute::settings::{BackendChoice, FormFactorSettings, LampViews, Maps, Points};
+use compute::settings::{BackendChoice, FormFactorSettings, LampViews, Maps, Points, Turns};
 use compute::solver::{Gather, Solver, Update};
 use scene::{Scene, Solution};
 
@@ -47,6 +47,7 @@ pub fn solve(scene: &Scene, resolution: u32, backend: BackendChoice) -> anyhow::
         resolution,
         maps: Maps::Exact,
         points: Points::Auto,
+        turns: Turns::DEFAULT,
     };
     let hemicubes = Arc::new(Hemicubes::new(scene, settings));
     let backend = compute::backend::open(&hemicubes, backend)?;

@@ -2,8 +2,8 @@
 
 use clap::Args;
 
-use super::{choice, parse_points, parse_resolution};
-use crate::settings::{FormFactorSettings, LampViews, Maps, Points};
+use super::{choice, parse_points, parse_resolution, parse_turns};
+use crate::settings::{FormFactorSettings, LampViews, Maps, Points, Turns};
 use crate::verify::{Accuracy, Backends, Format, Settings, VerifyError, select};
 
 /// Show how far this program is from answers that are known, case by case
@@ -20,6 +20,9 @@ pub(super) struct VerifyArguments {
     /// Where a patch's hemicubes stand, as in a run
     #[arg(long, default_value = "auto", value_parser = parse_points)]
     points: Points,
+    /// How hemicubes are turned, as in a run
+    #[arg(long, default_value = "0", value_name = "SEED", value_parser = parse_turns)]
+    seed: Turns,
     /// Exact views of lamps beside the hemicube, as in a run
     #[arg(long, default_value = "auto", value_parser = choice(&[
         ("auto", LampViews::Auto), ("off", LampViews::Off), ("all", LampViews::All)]))]
@@ -55,6 +58,7 @@ impl VerifyArguments {
                     resolution: self.resolution,
                     maps: self.maps,
                     points: self.points,
+                    turns: self.seed,
                 },
                 lamps: self.lamps,
             },

@@ -197,7 +197,7 @@ impl Pace {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::{FormFactorSettings, Maps, Points};
+    use crate::settings::{FormFactorSettings, Maps, Points, Turns};
     use glam::{DVec3, Vec3};
     use scene::{Material, MaterialId, ObjectId, Scene, Surface};
 
@@ -233,6 +233,7 @@ mod tests {
             resolution: 20,
             maps: Maps::Exact,
             points: Points::CENTROID,
+            turns: Turns::DEFAULT,
         };
         let hemicubes = Arc::new(Hemicubes::new(&scene, settings));
         let mut rows = match GpuRows::new(&hemicubes, AdapterChoice::Any) {

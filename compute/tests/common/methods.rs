@@ -6,7 +6,7 @@ use compute::cpu::CpuRows;
 use compute::hemicubes::Hemicubes;
 use compute::problem::Problem;
 use compute::row_cache::RowCache;
-use compute::settings::{FormFactorSettings, Maps, Points};
+use compute::settings::{FormFactorSettings, Maps, Points, Turns};
 use compute::solver::{Gather, Shoot, Solver, Update};
 use glam::DVec3;
 use scene::{Rgb, Scene, Solution};
@@ -21,6 +21,7 @@ pub const SETTINGS: FormFactorSettings = FormFactorSettings {
     resolution: 32,
     maps: Maps::Exact,
     points: Points::CENTROID,
+    turns: Turns::DEFAULT,
 };
 
 #[derive(Clone, Copy, Debug, PartialEq)]

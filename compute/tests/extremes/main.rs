@@ -21,7 +21,7 @@ use compute::hemicube::Frame;
 use compute::hemicubes::Hemicubes;
 use compute::row_cache::RowCache;
 use compute::rows::{RowBatch, RowSource, UNITS_PER_ONE, Unseen};
-use compute::settings::{FormFactorSettings, Maps, Points};
+use compute::settings::{FormFactorSettings, Maps, Points, Turns};
 use scene::{PatchId, Scene};
 
 /// One hemicube a patch.
@@ -30,6 +30,7 @@ fn settings(resolution: u32) -> FormFactorSettings {
         resolution,
         maps: Maps::Exact,
         points: Points::CENTROID,
+        turns: Turns::DEFAULT,
     }
 }
 

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use compute::gpu::{AdapterChoice, GpuRows};
 use compute::hemicubes::Hemicubes;
 use compute::rows::BackendError;
-use compute::settings::{FormFactorSettings, Maps, Points};
+use compute::settings::{FormFactorSettings, Maps, Points, Turns};
 use scene::Scene;
 
 fn settings(resolution: u32) -> FormFactorSettings {
@@ -20,6 +20,7 @@ fn settings(resolution: u32) -> FormFactorSettings {
         resolution,
         maps: Maps::Exact,
         points: Points::CENTROID,
+        turns: Turns::DEFAULT,
     }
 }
 

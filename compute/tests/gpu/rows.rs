@@ -4,7 +4,7 @@ use compute::cpu::item_buffer::{BACK_FACE, NOTHING};
 use compute::delta_form_factors::DeltaFormFactors;
 use compute::hemicubes::Hemicubes;
 use compute::rows::{Entry, RowBatch, RowSource, UNITS_PER_ONE, Unseen};
-use compute::settings::{FormFactorSettings, Maps, Points};
+use compute::settings::{FormFactorSettings, Maps, Points, Turns};
 use scene::{PatchId, Scene};
 
 use crate::model::{room, room_with_boxes_at, ruin};
@@ -92,6 +92,7 @@ fn rows_are_the_sums_of_their_item_buffers_to_the_bit() {
             resolution,
             points,
             maps,
+            turns: Turns::DEFAULT,
         };
         let first = scene.patch_count() / 2;
         assert_rows_are_their_item_buffers_sums(&scene, settings, first..first + 6);
