@@ -1,34 +1,13 @@
 //! The document on accuracy: the cases, what the thesis's maps make of them, and how errors fall.
 
+mod sweeps;
+
 use std::fmt::Write;
 
 use super::case::{Case, Measure};
-use super::measure::measure;
 use super::print::{error, number};
 use super::{Accuracy, Outcome, VerifyError, measure_all};
-use crate::settings::{BackendChoice, FormFactorSettings, LampViews, Maps, Points};
-
-/// Resolutions of the table of errors, pixels.
-const RESOLUTIONS: [u32; 5] = [32, 64, 128, 256, 512];
-
-/// Points of the table of errors.
-const POINTS: [Points; 4] = [
-    Points::CENTROID,
-    Points::Vertices,
-    Points::Bisected { bisections: 2 },
-    Points::Bisected { bisections: 4 },
-];
-
-/// Cases of the table of errors: coarse and fine, near and far, blocked and not.
-const SWEPT: [&str; 7] = [
-    "cube of 2 triangles a wall, opposite",
-    "cube of 2 triangles a wall, adjacent",
-    "cube of 128 triangles a wall, adjacent",
-    "coaxial unit squares, separation 0.1",
-    "triangles, generic skew",
-    "box with a plate between floor and ceiling",
-    "cornell box, path tracer",
-];
+use crate::settings::{BackendChoice, FormFactorSettings, LampViews, Maps};
 
 /// The whole document. The tables of errors are drawn by the first back end.
 pub fn document(
@@ -54,9 +33,31 @@ pub fn document(
     }
     tolerances(&mut text, cases);
     thesis(&mut text, outcomes, cases, accuracy, choices)?;
-    sweeps(&mut text, cases, accuracy, choices)?;
+    sweeps::errors(&mut text, cases, accuracy, choices[0])?;
+    sweeps::means(&mut text, cases, accuracy, choices[0])?;
+    text.push_str(CERTIFICATES);
     Ok(text.trim_end().to_owned())
 }
+
+/// What the lines that a run prints of itself mean.
+const CERTIFICATES: &str = "
+## What a run certifies
+
+These cases tell about the program. About a scene, each run tells what can be known without its exact
+answer; `--report` has all of it, and `--strict` makes a miss of a tolerance a failure (exit code 1).
+
+| figure | what it says | when it is off |
+|---|---|---|
+| row sums (closure) | what a patch sees of other patches, of openings and of back faces sums to 1 | never by more than rounding, 1e-7: pixels are counted in integers |
+| openings | mean share of the patches' views that sees nothing; in a scene that looks closed, the object beside the hole | walls do not meet, a face is missing |
+| back faces | mean share that sees the backs of surfaces, which are black; the object whose backs they are | a face is wound the wrong way, a solid is open, walls cross |
+| reciprocity | what all patches send to patch j against what j sees of them, root mean square by area: errors that normalising would hide | a patch is large for its surroundings: smaller patches, more `--points`, a higher resolution |
+| imbalance | power emitted less absorbed less lost, as a share of that emitted | not converged, or not reciprocal |
+| estimated error | how far the iteration is from where it goes, told by its residuals | reflectances near 1: a smaller `--tolerance` |
+
+Reciprocity is a bound in practice: form factors cannot be better than it says but for luck. It cannot see what both
+sides share, in a symmetric scene most of the errors; the table above can.
+";
 
 /// Each value once, in the order of first occurrence.
 fn unique<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
@@ -193,51 +194,6 @@ fn thesis(
                 }),
             ],
         );
-    }
-    Ok(())
-}
-
-/// Resolutions and points a case is swept over: fewer where all rows of a room are drawn.
-fn grid(case: &Case) -> (&'static [u32], &'static [Points]) {
-    if matches!(case.measure, Measure::Reflected { .. }) {
-        (&RESOLUTIONS[..4], &POINTS[..3])
-    } else {
-        (&RESOLUTIONS, &POINTS)
-    }
-}
-
-fn sweeps(
-    text: &mut String,
-    cases: &[Case],
-    accuracy: Accuracy,
-    choices: &[BackendChoice],
-) -> Result<(), VerifyError> {
-    heading(text, "Error against resolution and points");
-    for case in cases.iter().filter(|c| SWEPT.contains(&c.name.as_str())) {
-        line(text, &format!("\n{}:\n", case.name));
-        let (resolutions, points) = grid(case);
-        let names: Vec<String> = points.iter().map(Points::to_string).collect();
-        let mut header = vec!["pixels"];
-        header.extend(names.iter().map(String::as_str));
-        row(text, &header);
-        line(text, &format!("|--:|{}", "--:|".repeat(points.len())));
-        for &resolution in resolutions {
-            let mut cells = vec![resolution.to_string()];
-            for &points in points {
-                let accuracy = Accuracy {
-                    form_factors: FormFactorSettings {
-                        resolution,
-                        points,
-                        ..accuracy.form_factors
-                    },
-                    ..accuracy
-                };
-                let (measured, _) = measure(case, accuracy, choices[0])?;
-                cells.push(error(measured.expected, measured.error()));
-            }
-            let cells: Vec<&str> = cells.iter().map(String::as_str).collect();
-            row(text, &cells);
-        }
     }
     Ok(())
 }
