@@ -95,7 +95,7 @@ impl AtlasDrawer {
             near: plane_tolerance as f32,
             plane_tolerance: plane_tolerance as f32,
             pixel: windows[0].pixel as f32,
-            front_outset: (structs::FRONT_FACE_OUTSET * plane_tolerance) as f32,
+            padding: 0.0,
         };
         let pipeline = pipeline(gpu);
         let bind_group = gpu.bind_group(

@@ -27,7 +27,7 @@ struct DrawSettings {
     near: f32,
     plane_tolerance: f32,
     pixel: f32,
-    front_outset: f32,
+    padding: f32,
 }
 
 @group(0) @binding(0) var<uniform> settings: DrawSettings;
@@ -66,6 +66,12 @@ fn from_eye(corner: vec3f, face: Face) -> vec3f {
 
 fn in_face(vector: vec3f, face: Face) -> vec3f {
     return vec3f(dot(vector, face.right), dot(vector, face.up), dot(vector, face.forward));
+}
+
+// Largest magnitude of the coordinates of a corner and of the eye, metres.
+fn reach(corner: vec3f, face: Face) -> f32 {
+    let largest = max(abs(corner), abs(face.eye_high));
+    return max(max(largest.x, largest.y), largest.z);
 }
 
 // The normal of the plane through the eye and an edge, q_i x q_j, from the nearer corner, with less to
@@ -108,13 +114,18 @@ fn project(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance
     // Where a front and a back meet at the silhouette of a closed body, their depths are the same but
     // for rounding: the front is to win.
     let near = settings.near * select(1.0, BACK_FACE_RETREAT, is_back_face);
-    seen.inverse_depth = near / determinant * in_face(normal, face);
+    seen.inverse_depth = in_face(normal, face) / determinant * near;
 
     // A corner that is off by d moves an edge's plane q_i x q_j by d times the other corner's length
     // at most, and no ray through a picture is longer than sqrt(3).
     let lengths = vec3f(length(q_0), length(q_1), length(q_2));
-    let outset = select(settings.front_outset, 0.0, is_back_face);
-    seen.margins = sqrt(3.0) * outset * (lengths.yzx + lengths.zxy);
+    let outset = select(sqrt(3.0) * FRONT_FACE_OUTSET, 0.0, is_back_face);
+    let off = outset * vec3f(
+        reach(surface.corner_0, face),
+        reach(surface.corner_1, face),
+        reach(surface.corner_2, face),
+    );
+    seen.margins = off.yzx * lengths.zxy + off.zxy * lengths.yzx;
 
     // What is rasterised has its edges farther outwards: wherever its corners are then rounded to, it
     // has all pixels that are seen. By u_k, as barycentric coordinates of a point at w = 1.

@@ -19,13 +19,13 @@ pub const ALPHA_PATCH: u8 = 255;
 /// distance is not reported.
 pub const BACK_FACE_RETREAT: f32 = 1.0 - 1.0 / 4096.0;
 
-/// How far outwards the edges of fronts are moved, in units of [`crate::cpu::plane_tolerance`], so that
-/// a ray that passes between two fronts by rounding alone meets both: 16 units in the last place (2^-24)
-/// of the largest coordinate. A corner's own rounding takes up to 2 of them, that of its difference from
-/// the eye 2 to 7, and the products make that 10 to 30 if all err the same way from one end of the scene
-/// to the other; a quarter of what is taken sufficed wherever measured. More would hide more of
-/// what is behind: the sky in an opening is seen smaller by this on all sides.
-pub const FRONT_FACE_OUTSET: f64 = 4.0;
+/// How far outwards the edges of fronts are moved, relative to the largest coordinate of a corner and of the
+/// eye, so that a ray that passes between two fronts by rounding alone meets both: 16 units in the
+/// last place (2^-24). A corner's own rounding takes up to 2 of them, that of its difference from the eye 2
+/// to 7, and the products make that 10 to 30 if all err the same way from one end of a scene to the
+/// other; a quarter of what is taken sufficed wherever measured. More would hide more of what is
+/// behind: the sky in an opening is seen smaller by this on all sides.
+pub const FRONT_FACE_OUTSET: f32 = 16.0 / 16_777_216.0;
 
 /// How much farther outwards edges are moved in what is rasterised, pixels: covers two corners that are
 /// each rounded to 1/16 of a pixel, the coarsest that Vulkan allows (most have 1/256). What is covered in
@@ -96,8 +96,8 @@ pub struct DrawSettings {
     pub plane_tolerance: f32,
     /// Side of a pixel on the plane at distance 1, dimensionless.
     pub pixel: f32,
-    /// How far outwards the edges of fronts are moved, metres.
-    pub front_outset: f32,
+    /// Fills the struct up to its alignment.
+    pub padding: f32,
 }
 
 /// A third of a hemicube's picture: R x R pixels of the atlas.
@@ -168,6 +168,7 @@ fn with_constants(wgsl: &str) -> String {
         .chain([
             format!("const BACK_FACE_RETREAT: f32 = {BACK_FACE_RETREAT:?}f;\n"),
             format!("const MIN_GROWTH: f32 = {MIN_GROWTH:?}f;\n"),
+            format!("const FRONT_FACE_OUTSET: f32 = {FRONT_FACE_OUTSET:?}f;\n"),
             format!("const RASTERISED_OUTSET: f32 = {RASTERISED_OUTSET:?}f;\n"),
             wgsl.into(),
         ])
@@ -222,7 +223,7 @@ mod tests {
                 "DrawSettings",
                 layout!(DrawSettings {
                     "near" = near: f32, "plane_tolerance" = plane_tolerance: f32,
-                    "pixel" = pixel: f32, "front_outset" = front_outset: f32
+                    "pixel" = pixel: f32, "padding" = padding: f32
                 }),
             ),
             (

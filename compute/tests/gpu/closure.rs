@@ -1,6 +1,6 @@
 //! Closed scenes leak nothing, and open ones what they should, wherever walls touch.
 
-use compute::cpu::{CpuRows, plane_tolerance};
+use compute::cpu::CpuRows;
 use compute::gpu::structs::FRONT_FACE_OUTSET;
 use compute::rows::{RowBatch, RowSource};
 use compute::settings::{FormFactorSettings, Points};
@@ -134,7 +134,9 @@ fn an_opening_is_as_large_as_the_cpu_sees_it() {
         let below = |p: &DVec3| p.z < ceiling;
         model.triangles.retain(|corners| corners.iter().any(below));
         let scene = model.scene(MAX_AREA);
-        let outset = 3.0_f64.sqrt() * FRONT_FACE_OUTSET * plane_tolerance(&scene);
+        let [low, high] = scene.bounds();
+        let reach = low.abs().max(high.abs()).max_element();
+        let outset = 3.0_f64.sqrt() * f64::from(FRONT_FACE_OUTSET * reach);
         let tolerance = outset * rim / std::f64::consts::PI;
         for resolution in [16, 100, 128] {
             let settings = settings(resolution);
