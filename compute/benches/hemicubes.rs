@@ -4,12 +4,12 @@
 //! surfaces, not by its patches.
 
 use std::hint::black_box;
+use std::sync::Arc;
 
 use compute::cpu::item_buffer::{BACK_FACE, HemicubeDrawer, NOTHING};
 use compute::cpu::rows::RowDrawer;
-use compute::delta_form_factors::DeltaFormFactors;
-use compute::hemicube;
-use compute::settings::{Maps, Points};
+use compute::hemicubes::Hemicubes;
+use compute::settings::{FormFactorSettings, Maps, Points};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use genx::{Model, Settings};
 use scene::{PatchId, Scene};
@@ -36,15 +36,25 @@ fn patches(scene: &Scene) -> Vec<PatchId> {
         .collect()
 }
 
+fn hemicubes(scene: &Scene) -> Arc<Hemicubes<'_>> {
+    let settings = FormFactorSettings {
+        resolution: RESOLUTION,
+        maps: Maps::Exact,
+        points: Points::CENTROID,
+    };
+    Arc::new(Hemicubes::new(scene, settings))
+}
+
 fn item_buffers(c: &mut Criterion, name: &str, scenes: &[Scene]) {
     let mut group = c.benchmark_group(format!("item_buffer_{HEMICUBES}x/{name}"));
     for scene in scenes {
+        let hemicubes = hemicubes(scene);
         let mut drawer = HemicubeDrawer::new(scene, RESOLUTION);
         let patches = patches(scene);
         group.bench_function(BenchmarkId::from_parameter(scene.patch_count()), |b| {
             b.iter(|| {
                 for &patch in &patches {
-                    let frame = hemicube::frames(scene, patch, Points::CENTROID)[0];
+                    let frame = hemicubes.frames(patch)[0];
                     drawer.draw(patch, &frame, NOTHING, BACK_FACE, |_, _, ids| {
                         black_box(ids);
                     });
@@ -56,9 +66,8 @@ fn item_buffers(c: &mut Criterion, name: &str, scenes: &[Scene]) {
 
 fn rows(c: &mut Criterion, name: &str, scenes: &[Scene]) {
     let mut group = c.benchmark_group(format!("row_{HEMICUBES}x/{name}"));
-    let factors = DeltaFormFactors::new(Maps::Exact, RESOLUTION, u32::MAX);
     for scene in scenes {
-        let mut drawer = RowDrawer::new(scene, Points::CENTROID, &factors);
+        let mut drawer = RowDrawer::new(&hemicubes(scene));
         let patches = patches(scene);
         group.bench_function(BenchmarkId::from_parameter(scene.patch_count()), |b| {
             b.iter(|| {

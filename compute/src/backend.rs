@@ -1,11 +1,12 @@
 //! Choosing who draws.
 
-use scene::Scene;
+use std::sync::Arc;
 
 use crate::cpu::CpuRows;
 use crate::gpu::{AdapterChoice, GpuRows};
+use crate::hemicubes::Hemicubes;
 use crate::rows::{BackendError, RowSource};
-use crate::settings::{BackendChoice, FormFactorSettings};
+use crate::settings::BackendChoice;
 
 /// An opened back end and its name, `cpu` or `gpu`.
 pub struct Backend<'a> {
@@ -20,18 +21,17 @@ pub struct Backend<'a> {
 /// Opens the back end that was asked for.
 ///
 /// `auto` falls back to the CPU where there is no real GPU, or none that will do.
-pub fn open(
-    scene: &Scene,
-    settings: FormFactorSettings,
+pub fn open<'a>(
+    hemicubes: &Arc<Hemicubes<'a>>,
     choice: BackendChoice,
-) -> Result<Backend<'_>, BackendError> {
+) -> Result<Backend<'a>, BackendError> {
     let cpu = |remark| Backend {
         name: "cpu",
-        source: Box::new(CpuRows::new(scene, settings)),
+        source: Box::new(CpuRows::new(hemicubes)),
         remark,
     };
     let gpu = |adapters| {
-        GpuRows::new(scene, settings, adapters).map(|rows| Backend {
+        GpuRows::new(hemicubes, adapters).map(|rows| Backend {
             name: "gpu",
             source: Box::new(rows),
             remark: None,

@@ -27,7 +27,6 @@ use scene::{PatchId, Scene};
 use serde::Serialize;
 
 use crate::row_cache::RowCache;
-use crate::settings::FormFactorSettings;
 use culprit::{Loss, culprit};
 
 pub use received::Received;
@@ -120,13 +119,8 @@ pub struct Finding {
 }
 
 /// What the rows drawn so far certify, together with the solution's `imbalance` and last `residual`.
-pub fn certify(
-    scene: &Scene,
-    rows: &RowCache,
-    settings: FormFactorSettings,
-    imbalance: Option<f64>,
-    residual: Option<f64>,
-) -> Certificate {
+pub fn certify(rows: &RowCache, imbalance: Option<f64>, residual: Option<f64>) -> Certificate {
+    let scene = rows.hemicubes().scene();
     let areas = scene.patch_areas();
     let rows_drawn = rows.unseen().iter().flatten().count() as u32;
     let all_drawn = rows_drawn == scene.patch_count();
@@ -158,7 +152,7 @@ pub fn certify(
         let &(patch, worst_share) = worst.first()?;
         Some(Finding {
             share,
-            culprit: culprit(scene, settings, loss, &worst),
+            culprit: culprit(rows.hemicubes(), loss, &worst),
             worst_patch: patch as u32,
             worst_object: object_name(scene, patch),
             worst_share,
@@ -203,11 +197,10 @@ fn shares(rows: &RowCache, loss: Loss) -> impl Iterator<Item = (usize, f64)> {
 
 /// How far any patch's hemisphere is from being accounted for.
 fn closure_error(rows: &RowCache) -> f64 {
-    let units_per_one = rows.units_per_one();
     shares(rows, Loss::Opening)
         .zip(shares(rows, Loss::BackFaces))
         .map(|((j, open), (_, back_face))| {
-            (rows.received().row_sum(j, units_per_one) + open + back_face - 1.0).abs()
+            (rows.received().row_sum(j) + open + back_face - 1.0).abs()
         })
         .fold(0.0, f64::max)
 }
@@ -218,12 +211,11 @@ fn object_name(scene: &Scene, patch: usize) -> String {
 }
 
 fn reciprocity(scene: &Scene, areas: &[f64], rows: &RowCache) -> Reciprocity {
-    let units_per_one = rows.units_per_one();
     let (mut squares, mut whole) = (0.0, 0.0);
     let (mut worst_patch, mut worst) = (0, 0.0_f64);
     for (j, &area) in areas.iter().enumerate() {
-        let sent = area * rows.received().row_sum(j, units_per_one);
-        let received = rows.received().area(j, units_per_one);
+        let sent = area * rows.received().row_sum(j);
+        let received = rows.received().area(j);
         let larger = sent.max(received);
         let difference = if larger > 0.0 {
             (received - sent) / larger

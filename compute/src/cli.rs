@@ -70,8 +70,10 @@ struct Arguments {
     #[arg(long, default_value = "exact", value_parser = choice(&[
         ("exact", Maps::Exact), ("thesis", Maps::Thesis)]))]
     maps: Maps,
-    /// Where a patch's hemicubes stand: centroid, vertices, or N = 2, 4, 8 ... 1024 points of equal area
-    #[arg(long, default_value = "centroid", value_parser = parse_points)]
+    /// Where a patch's hemicubes stand: auto (one, or three and more where other surfaces are near),
+    /// centroid, vertices, or N points of equal weight: 1, 2, 4 ... 1024 centroids of equal areas, or 3,
+    /// 6, 12 ... 3072 by a rule of higher order
+    #[arg(long, default_value = "auto", value_parser = parse_points)]
     points: Points,
     /// Exact views of lamps beside the hemicube: of those that matter, none, or all
     #[arg(long, default_value = "auto", value_parser = choice(&[
@@ -258,14 +260,21 @@ pub fn parse_resolution(text: &str) -> Result<u32, String> {
 fn parse_points(text: &str) -> Result<Points, String> {
     let most = 1_u32 << Points::MAX_BISECTIONS;
     match text {
+        "auto" => Ok(Points::Auto),
         "centroid" => Ok(Points::CENTROID),
         "vertices" => Ok(Points::Vertices),
         _ => match text.parse::<u32>() {
             Ok(n) if n.is_power_of_two() && n <= most => Ok(Points::Bisected {
                 bisections: n.trailing_zeros(),
             }),
+            Ok(n) if n.is_multiple_of(3) && (n / 3).is_power_of_two() && n / 3 <= most => {
+                Ok(Points::ThreePoint {
+                    bisections: (n / 3).trailing_zeros(),
+                })
+            }
             _ => Err(format!(
-                "\"{text}\" is none of centroid, vertices, or a power of two from 1 to {most}"
+                "\"{text}\" is none of auto, centroid, vertices, a power of two from 1 to {most}, or \
+                 three times that"
             )),
         },
     }
@@ -289,11 +298,13 @@ mod tests {
 
     #[test]
     fn points_read_back_as_they_show() {
-        for text in ["centroid", "vertices", "2", "64", "1024"] {
+        for text in [
+            "auto", "centroid", "vertices", "2", "3", "64", "96", "1024", "3072",
+        ] {
             assert_eq!(parse_points(text).unwrap().to_string(), text);
         }
         assert_eq!(parse_points("1"), Ok(Points::CENTROID));
-        for bad in ["0", "3", "2048", "-1", "middle", ""] {
+        for bad in ["0", "5", "9", "2048", "6144", "-1", "middle", ""] {
             assert!(parse_points(bad).is_err(), "{bad}");
         }
     }

@@ -13,7 +13,7 @@
 //!
 //! # Practice
 //! A form factor is the sum of the delta form factors of the pixels that see a patch. They are kept
-//! as integers in units of 1/`units_per_one`: sums of integers do not depend on their order, so
+//! as integers in units of 1/[`UNITS_PER_ONE`](crate::rows::UNITS_PER_ONE): sums of integers do not depend on their order, so
 //! every back end and every number of threads gives the same bits, a closed room's row sums to
 //! exactly 1, and a GPU can sum with atomic integers. A unit is about 2^-32 of a row, however
 //! many hemicubes a row has; rounding is carried on from pixel to pixel, so any run of pixels is right to one unit.

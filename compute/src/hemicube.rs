@@ -24,8 +24,6 @@ use std::f64::consts::FRAC_PI_2;
 use glam::{DVec3, Vec3};
 use scene::Patch;
 
-use crate::settings::Points;
-
 /// The largest resolution, pixels along a face.
 pub const MAX_RESOLUTION: u32 = 4096;
 
@@ -74,41 +72,11 @@ impl Frame {
     }
 }
 
-/// Share of the way to the centroid by which points at a patch's corners are drawn in, so that they
-/// lie on the patch and not in the plane of the wall that meets it there.
-const CORNER_INSET: f64 = 1.0 / 64.0;
-
 /// Turn of the hemicube of a number, radians: steps of the golden ratio fill the quarter turn after
 /// which a hemicube repeats, for any run of numbers as evenly as can be (Weyl's sequence).
-fn turn(number: u64) -> f64 {
+pub fn turn(number: u64) -> f64 {
     const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
     (number as f64 * GOLDEN_RATIO).fract() * FRAC_PI_2
-}
-
-/// The frames of all hemicubes that a patch's form factors are averaged over.
-pub fn frames(scene: &scene::Scene, patch: scene::PatchId, points: Points) -> Vec<Frame> {
-    let geometry = scene.patch(patch);
-    let normal = scene.surface(geometry.surface).normal();
-    let first = u64::from(patch.0) * u64::from(points.count());
-    let at =
-        |k: u32, position| Frame::on_patch(&geometry, normal, position, turn(first + u64::from(k)));
-    let [p0, p1, p2] = geometry.corners.map(Vec3::as_dvec3);
-    match points {
-        Points::Vertices => {
-            let centroid = geometry.centroid();
-            let corner = |k: u32, p: DVec3| at(k, p.lerp(centroid, CORNER_INSET));
-            vec![corner(0, p0), corner(1, p1), corner(2, p2)]
-        }
-        Points::Bisected { bisections } => (0..1 << bisections)
-            .map(|code| {
-                let centroid: DVec3 = scene::bisection::leaf_corners(bisections, code)
-                    .into_iter()
-                    .sum::<DVec3>()
-                    / 3.0;
-                at(code, centroid.x * p0 + centroid.y * p1 + centroid.z * p2)
-            })
-            .collect(),
-    }
 }
 
 /// One face as a picture: rays through the centres of square pixels, in the hemicube's frame.

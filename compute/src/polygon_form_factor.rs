@@ -13,10 +13,14 @@ use glam::DVec3;
 /// Form factor, dimensionless, from a point to a triangle that nothing hides, seen from its front or its
 /// back alike. `corners` are in the receiver's frame, relative to the point, with z along its normal.
 pub fn point_to_triangle(corners: [DVec3; 3]) -> f64 {
-    let clipped = above_horizon(corners);
-    let count = clipped.len();
+    point_to_polygon(&in_front(&corners, DVec3::Z))
+}
+
+/// The same to a plane convex polygon of which nothing lies below the horizon.
+pub fn point_to_polygon(corners: &[DVec3]) -> f64 {
+    let count = corners.len();
     let sum: f64 = (0..count)
-        .map(|k| edge_term(clipped[k], clipped[(k + 1) % count]))
+        .map(|k| edge_term(corners[k], corners[(k + 1) % count]))
         .sum();
     sum.abs() / TAU
 }
@@ -32,17 +36,18 @@ fn edge_term(p: DVec3, q: DVec3) -> f64 {
     sin.atan2(p.dot(q)) * cross.z / sin
 }
 
-/// The part of a triangle with z >= 0, at most four corners (Sutherland and Hodgman 1974, one plane).
-pub fn above_horizon(corners: [DVec3; 3]) -> Vec<DVec3> {
-    let mut kept = Vec::with_capacity(4);
-    for k in 0..3 {
-        let (p, q) = (corners[k], corners[(k + 1) % 3]);
-        if p.z >= 0.0 {
+/// The part of a convex polygon on the side of a plane through the point to which `normal` points, at most
+/// one corner more (Sutherland and Hodgman 1974, one plane).
+pub fn in_front(corners: &[DVec3], normal: DVec3) -> Vec<DVec3> {
+    let mut kept = Vec::with_capacity(corners.len() + 1);
+    for (k, &p) in corners.iter().enumerate() {
+        let q = corners[(k + 1) % corners.len()];
+        let (at_p, at_q) = (p.dot(normal), q.dot(normal));
+        if at_p >= 0.0 {
             kept.push(p);
         }
-        if (p.z > 0.0 && q.z < 0.0) || (p.z < 0.0 && q.z > 0.0) {
-            let crossing = p.lerp(q, p.z / (p.z - q.z));
-            kept.push(DVec3::new(crossing.x, crossing.y, 0.0));
+        if (at_p > 0.0 && at_q < 0.0) || (at_p < 0.0 && at_q > 0.0) {
+            kept.push(p.lerp(q, at_p / (at_p - at_q)));
         }
     }
     kept

@@ -16,6 +16,7 @@ use crate::certificate::Certificate;
 use crate::quantity::{show_duration, show_size};
 use crate::row_cache::RowCache;
 use crate::settings::{LampViews, Maps, Settings, SolverChoice};
+use crate::solver::convergence::Convergence;
 
 /// Why a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -75,6 +76,8 @@ pub struct Report {
     pub next_iteration_share: f64,
     /// Relative residual after each iteration that was done with these settings, dimensionless.
     pub residuals: Vec<f64>,
+    /// What they tell of the way that is left; null where there are too few of them.
+    pub convergence: Option<Convergence>,
     /// Power balance.
     pub energy: Energy,
     /// Row sums; null where no row was drawn in this run.
@@ -211,7 +214,7 @@ pub fn measure(
         let leaving = area * radiosity[i].as_dvec3();
         lost += open * leaving;
         back += back_face * leaving;
-        let sum = rows.received().row_sum(i, rows.units_per_one());
+        let sum = rows.received().row_sum(i);
         sum_min = sum_min.min(sum);
         sum_max = sum_max.max(sum);
         sum_area += area * sum;
@@ -253,6 +256,22 @@ impl Report {
         let violations = &self.certificate.violations;
         (self.settings.strict && !violations.is_empty())
             .then(|| format!("{} is written, but {}", self.output, violations.join("; ")))
+    }
+
+    /// What a user should know of a result that is no failure.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        // Where they are failures they are told as such.
+        if !self.settings.strict {
+            warnings = self.certificate.warnings();
+        }
+        // Who set another limit knows that it is not converged.
+        if self.stopped_by == StoppedBy::Tolerance
+            && let Some(convergence) = &self.convergence
+        {
+            warnings.extend(convergence.warning(self.settings.tolerance));
+        }
+        warnings
     }
 
     /// A few lines for people.
@@ -316,8 +335,11 @@ impl Report {
         } else {
             String::new()
         };
+        let error = self.convergence.map_or_else(String::new, |convergence| {
+            format!(", estimated error {:.1e}", convergence.estimated_error)
+        });
         lines.push(format!(
-            "result         {} iterations{next}, residual {residual}, {}",
+            "result         {} iterations{next}, residual {residual}{error}, {}",
             self.iterations,
             self.stopped_by.describe(),
         ));

@@ -2,20 +2,21 @@
 
 use std::collections::BTreeMap;
 use std::io;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use scene::Scene;
+use scene::PatchId;
 
 use crate::certificate::Received;
+use crate::hemicubes::Hemicubes;
 use crate::interrupt;
-use crate::rows::{BackendError, Entry, RowBatch, RowSource, Unseen};
-use crate::settings::FormFactorSettings;
+use crate::rows::{BackendError, Entry, RowBatch, RowSource, UNITS_PER_ONE, Unseen};
 
 /// All rows of a scene, as far as anybody asks for them.
 pub struct RowCache<'a> {
+    hemicubes: Arc<Hemicubes<'a>>,
     source: Box<dyn RowSource + 'a>,
     patch_count: u32,
-    settings: FormFactorSettings,
     budget_bytes: u64,
     /// Batches by their first patch.
     kept: BTreeMap<u32, RowBatch>,
@@ -44,15 +45,15 @@ pub struct RowStatistics {
 impl<'a> RowCache<'a> {
     /// No rows yet.
     pub fn new(
-        scene: &Scene,
+        hemicubes: &Arc<Hemicubes<'a>>,
         source: Box<dyn RowSource + 'a>,
-        settings: FormFactorSettings,
         budget_bytes: u64,
     ) -> Self {
+        let scene = hemicubes.scene();
         Self {
+            hemicubes: Arc::clone(hemicubes),
             source,
             patch_count: scene.patch_count(),
-            settings,
             budget_bytes,
             kept: BTreeMap::new(),
             passing: RowBatch::new(0),
@@ -62,9 +63,14 @@ impl<'a> RowCache<'a> {
         }
     }
 
+    /// The hemicubes that the rows come from.
+    pub fn hemicubes(&self) -> &Hemicubes<'a> {
+        &self.hemicubes
+    }
+
     /// Units of a form factor of 1.
     pub fn units_per_one(&self) -> u32 {
-        self.settings.units_per_one()
+        UNITS_PER_ONE
     }
 
     /// What the back end calls itself.
@@ -143,7 +149,7 @@ impl<'a> RowCache<'a> {
         let mut batch = self.source.draw_rows(patch..end)?;
         self.statistics.duration += start.elapsed();
         self.statistics.hemicubes +=
-            u64::from(end - patch) * u64::from(self.settings.points.count());
+            self.hemicubes.first(PatchId(end)) - self.hemicubes.first(PatchId(patch));
         let drawn = &mut self.unseen[patch as usize..end as usize];
         self.received.add(&batch, |k: usize| drawn[k].is_none());
         for (k, unseen) in drawn.iter_mut().enumerate() {

@@ -1,21 +1,25 @@
 //! Form factor rows: F_ij of some patches i to all patches j.
 //!
-//! F_ij = units / units_per_one, the fraction of the power leaving patch i that arrives at patch
+//! F_ij = units / UNITS_PER_ONE, the fraction of the power leaving patch i that arrives at patch
 //! j. Only non-zero entries are kept, in patch order. Geometry alone decides them.
 
 use std::ops::Range;
 
+/// Units of a form factor of 1: nearly 2^32, and a multiple of 3 and of 2^10, so that as many hemicubes
+/// have equal shares in it.
+pub const UNITS_PER_ONE: u32 = ((1 << 22) - 1) << 10;
+
 /// One non-zero form factor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
     /// The patch j that receives.
     pub patch: u32,
-    /// F_ij in units of 1/`units_per_one`.
-    pub units: u32,
+    /// F_ij in units of 1/[`UNITS_PER_ONE`]: a whole number where pixels were counted, rounded to 24 bits; of
+    /// any size where a formula gave it, since a lamp can be too far away for a unit.
+    pub units: f32,
 }
 
-/// What of a hemisphere is not seen as a patch's front, in units of 1/`units_per_one`.
+/// What of a hemisphere is not seen as a patch's front, in units of 1/[`UNITS_PER_ONE`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Unseen {
     /// Share that sees nothing: an opening.
@@ -25,7 +29,7 @@ pub struct Unseen {
 }
 
 /// Rows of consecutive patches.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RowBatch {
     first_patch: u32,
     /// Where each row ends in `entries`, one per row.

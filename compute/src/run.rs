@@ -1,6 +1,7 @@
 //! A whole run: load, solve with checkpoints, write, report.
 
 use std::path::Path;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
@@ -8,12 +9,14 @@ use scene::file::{self, OutputLock};
 use scene::{Scene, Solution};
 
 use crate::backend::{self, Backend};
+use crate::hemicubes::Hemicubes;
 use crate::lamps::with_lamps;
 use crate::problem::Problem;
 use crate::progress::{Position, Progress};
 use crate::report::{self, BackendReport, Report, RowsReport, Seconds, SettingsReport, StoppedBy};
 use crate::row_cache::RowCache;
 use crate::settings::{Settings, SolverChoice};
+use crate::solver::convergence::Convergence;
 use crate::solver::{Gather, Shoot, Solver, Update};
 use crate::{certificate, form_factors_csv, interrupt, view_factors};
 
@@ -64,17 +67,18 @@ impl<'a> Run<'a> {
         self.seconds.load = self.start.elapsed().as_secs_f64();
 
         let opening = Instant::now();
+        let hemicubes = Arc::new(Hemicubes::new(&scene, settings.form_factors));
         let Backend {
             name,
             source,
             remark,
-        } = backend::open(&scene, settings.form_factors, settings.backend)?;
+        } = backend::open(&hemicubes, settings.backend)?;
         self.seconds.open = opening.elapsed().as_secs_f64();
         if let Some(remark) = remark {
             eprintln!("compute: {remark}");
         }
-        let source = with_lamps(&scene, settings.form_factors, settings.lamps, source);
-        let mut rows = RowCache::new(&scene, source, settings.form_factors, settings.memory_bytes);
+        let source = with_lamps(&hemicubes, settings.lamps, source);
+        let mut rows = RowCache::new(&hemicubes, source, settings.memory_bytes);
         if let Err(error) = self.write_factors(&scene, &mut rows) {
             if !interrupt::requested() {
                 return Err(error);
@@ -120,9 +124,7 @@ impl<'a> Run<'a> {
             .finish(self.start.elapsed(), statistics.duration);
         let (energy, closure, back_face_share) = report::measure(&scene, &solution, &rows);
         let certificate = certificate::certify(
-            &scene,
             &rows,
-            settings.form_factors,
             energy.imbalance,
             solution.provenance.residuals.last().copied(),
         );
@@ -147,6 +149,7 @@ impl<'a> Run<'a> {
             iterations: solution.provenance.iterations,
             iterations_before,
             next_iteration_share: solution.next_iteration_share(),
+            convergence: Convergence::new(settings.solver, &solution.provenance.residuals),
             residuals: solution.provenance.residuals,
             energy,
             closure,
@@ -154,10 +157,8 @@ impl<'a> Run<'a> {
             certificate,
             stopped_by,
         };
-        if !settings.strict {
-            for warning in report.certificate.warnings() {
-                eprintln!("compute: warning: {warning}");
-            }
+        for warning in report.warnings() {
+            eprintln!("compute: warning: {warning}");
         }
         if let Some(path) = &settings.report {
             write_report(path, &report)?;

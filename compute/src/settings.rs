@@ -8,9 +8,16 @@ use serde::Serialize;
 /// Where on a patch its hemicubes stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Points {
+    /// One or more in each patch, as its surroundings ask for, see [`crate::hemicubes`].
+    Auto,
     /// At the centroids of the 2^bisections triangles the patch's own bisection makes; 0 is the
     /// patch's centroid.
     Bisected {
+        /// At most [`Points::MAX_BISECTIONS`].
+        bisections: u32,
+    },
+    /// At three points in each of these triangles, which is right to a higher order.
+    ThreePoint {
         /// At most [`Points::MAX_BISECTIONS`].
         bisections: u32,
     },
@@ -23,21 +30,15 @@ impl Points {
     pub const CENTROID: Self = Self::Bisected { bisections: 0 };
     /// More points would leave too few units to a delta form factor.
     pub const MAX_BISECTIONS: u32 = 10;
-
-    /// Hemicubes a patch.
-    pub fn count(self) -> u32 {
-        match self {
-            Self::Bisected { bisections } => 1 << bisections,
-            Self::Vertices => 3,
-        }
-    }
 }
 
 impl std::fmt::Display for Points {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match *self {
+            Self::Auto => f.write_str("auto"),
             Self::CENTROID => f.write_str("centroid"),
             Self::Bisected { bisections } => write!(f, "{}", 1_u32 << bisections),
+            Self::ThreePoint { bisections } => write!(f, "{}", 3_u32 << bisections),
             Self::Vertices => f.write_str("vertices"),
         }
     }
@@ -108,18 +109,6 @@ pub struct FormFactorSettings {
     pub maps: Maps,
     /// Where a patch's hemicubes stand.
     pub points: Points,
-}
-
-impl FormFactorSettings {
-    /// Units of one hemicube: the most for which a whole row fits 32 bits.
-    pub fn units_per_hemicube(&self) -> u32 {
-        u32::MAX / self.points.count()
-    }
-
-    /// Units of a form factor of 1.
-    pub fn units_per_one(&self) -> u32 {
-        self.units_per_hemicube() * self.points.count()
-    }
 }
 
 /// Everything `compute` is asked to do.

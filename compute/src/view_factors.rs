@@ -23,7 +23,7 @@ use scene::file::write_atomically;
 use scene::{ObjectId, Scene};
 
 use crate::row_cache::RowCache;
-use crate::rows::Entry;
+use crate::rows::{Entry, UNITS_PER_ONE};
 
 /// The first line.
 pub const HEADER: &str = "from,to,view_factor,area_from,area_to,row_sum_from,reciprocity_error";
@@ -40,7 +40,7 @@ pub struct ViewFactors {
     /// A_A F_AB in m^2 by B, one map per object A.
     exchange_areas: Vec<BTreeMap<u32, f64>>,
     /// Of the row being added, one per object.
-    units: Vec<u64>,
+    units: Vec<f64>,
 }
 
 impl ViewFactors {
@@ -61,23 +61,23 @@ impl ViewFactors {
             patch_areas,
             areas,
             exchange_areas: vec![BTreeMap::new(); count],
-            units: vec![0; count],
+            units: vec![0.0; count],
         }
     }
 
     /// Adds a patch's row.
-    pub fn add(&mut self, from: u32, row: &[Entry], units_per_one: u32) {
+    pub fn add(&mut self, from: u32, row: &[Entry]) {
         for entry in row {
-            self.units[self.objects[entry.patch as usize].index()] += u64::from(entry.units);
+            self.units[self.objects[entry.patch as usize].index()] += f64::from(entry.units);
         }
         let area = self.patch_areas[from as usize];
         let exchange_areas = &mut self.exchange_areas[self.objects[from as usize].index()];
         for entry in row {
             let to = self.objects[entry.patch as usize];
             let units = std::mem::take(&mut self.units[to.index()]);
-            if units > 0 {
+            if units > 0.0 {
                 *exchange_areas.entry(to.0).or_default() +=
-                    area * (units as f64 / f64::from(units_per_one));
+                    area * (units / f64::from(UNITS_PER_ONE));
             }
         }
     }
@@ -151,9 +151,8 @@ impl ViewFactors {
 pub fn save(path: &Path, scene: &Scene, rows: &mut RowCache) -> anyhow::Result<()> {
     write_atomically(path, |out| {
         let mut view_factors = ViewFactors::new(scene);
-        let units_per_one = rows.units_per_one();
         rows.for_each_row(|from, row| {
-            view_factors.add(from, row, units_per_one);
+            view_factors.add(from, row);
             Ok(())
         })?;
         view_factors.write(out, scene)

@@ -118,7 +118,7 @@ fn a_furnace_passes() {
     let certificate = assert_passes(folder.path(), &[]);
     assert_eq!(certificate["open_share"], 0.0);
     assert_eq!(certificate["back_face_share"], 0.0);
-    assert_eq!(certificate["closure_error"], 0.0);
+    assert!(certificate["closure_error"].as_f64().unwrap() < common::methods::ROUNDING);
     assert_eq!(certificate["hidden_patches"], 0);
     assert_eq!(certificate["looks_closed"], true);
     assert!(certificate["opening"].is_null() && certificate["back_faces"].is_null());
@@ -224,17 +224,19 @@ fn what_nobody_sees_does_not_count() {
 /// From the centroid of a triangle of area 8 a square of area 1 close above it fills most of the
 /// sky, but only a small part of all that leaves the triangle can reach it.
 #[test]
-fn few_large_patches_miss_reciprocity() {
+fn one_point_of_a_large_patch_misses_reciprocity() {
     let floor = grid(Vec3::ZERO, 4.0 * Vec3::X, 4.0 * Vec3::Y, 1);
     let [a, b, c] = floor[0].corners;
     let corner = (a + b + c) / 3.0 + Vec3::new(-0.5, -0.5, 0.2);
     let plate = grid(corner + Vec3::Y, Vec3::X, -Vec3::Y, 1);
     let folder = folder_with(&[("floor", floor), ("plate", plate)], f64::INFINITY);
-    let certificate = assert_fails(folder.path(), &[], &["miss reciprocity", "at most 5.00 %"]);
+    let misses = ["miss reciprocity", "at most 5.00 %"];
+    let certificate = assert_fails(folder.path(), &["--points", "centroid"], &misses);
     assert!(
         certificate["reciprocity"]["rms"].as_f64().unwrap() > 0.5,
         "{certificate}"
     );
+    assert_passes(folder.path(), &["--points", "96"]);
 }
 
 #[test]
@@ -456,14 +458,20 @@ fn a_closed_box_has_view_factors_that_sum_to_one_and_know_their_reciprocity() {
     for wall in WALLS {
         let of_wall: Vec<_> = found.iter().filter(|((from, _), _)| from == wall).collect();
         let sum: f64 = of_wall.iter().map(|(_, line)| line.view_factor).sum();
-        assert!((sum - 1.0).abs() < ROUNDING, "{wall}: {sum}");
+        assert!(
+            (sum - 1.0).abs() < common::methods::ROUNDING,
+            "{wall}: {sum}"
+        );
         for ((from, to), line) in of_wall {
             let back = &found[&(to.clone(), from.clone())];
             assert_eq!(
                 (back.area_from, back.area_to),
                 (line.area_to, line.area_from)
             );
-            assert!((line.row_sum_from - 1.0).abs() < ROUNDING, "{line:?}");
+            assert!(
+                (line.row_sum_from - 1.0).abs() < common::methods::ROUNDING,
+                "{line:?}"
+            );
             let (there, back_again) = (
                 line.area_from * line.view_factor,
                 back.area_from * back.view_factor,

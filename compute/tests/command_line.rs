@@ -101,7 +101,7 @@ fn wrong_values_are_usage_errors_that_name_value_and_limit_or_choices() {
             &["--points", "middle"],
             &["middle", "centroid, vertices", "1024"],
         ),
-        (&["--points", "3"], &["3", "power of two"]),
+        (&["--points", "5"], &["5", "power of two"]),
         (&["--points", "0"], &["0", "power of two"]),
         (&["--points", "2048"], &["2048", "1024"]),
         (&["--iterations", "-1"], &["-1"]),

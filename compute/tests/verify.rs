@@ -121,7 +121,7 @@ fn wrong_arguments_are_usage_errors() {
     for arguments in [
         &["verify", "7"][..],
         &["verify", "--backend", "cuda"],
-        &["verify", "--points", "3"],
+        &["verify", "--points", "5"],
         &["verify", "--json", "--markdown"],
         &["verify", "64", "--solver", "jacobi"],
         &["verify", "64", "128"],

@@ -1,7 +1,9 @@
 //! Solving one scene with the library, keeping what the pictures show.
 
+use std::sync::Arc;
 use std::time::Instant;
 
+use compute::hemicubes::Hemicubes;
 use compute::lamps::with_lamps;
 use compute::problem::Problem;
 use compute::report::{self, Closure};
@@ -44,11 +46,12 @@ pub fn solve(scene: &Scene, resolution: u32, backend: BackendChoice) -> anyhow::
     let settings = FormFactorSettings {
         resolution,
         maps: Maps::Exact,
-        points: Points::CENTROID,
+        points: Points::Auto,
     };
-    let backend = compute::backend::open(scene, settings, backend)?;
-    let source = with_lamps(scene, settings, LampViews::Auto, backend.source);
-    let mut rows = RowCache::new(scene, source, settings, MEMORY_BYTES);
+    let hemicubes = Arc::new(Hemicubes::new(scene, settings));
+    let backend = compute::backend::open(&hemicubes, backend)?;
+    let source = with_lamps(&hemicubes, LampViews::Auto, backend.source);
+    let mut rows = RowCache::new(&hemicubes, source, MEMORY_BYTES);
     let problem = Problem::new(scene);
     let mut solver = Gather::new(problem, Update::AfterIteration, Solution::dark(scene));
     let mut states = Vec::new();

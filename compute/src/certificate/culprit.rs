@@ -8,10 +8,9 @@
 use scene::{ObjectId, PatchId, Scene, SurfaceId};
 
 use crate::cpu::{Cull, Projection, Raster, Sample, plane_tolerance};
-use crate::delta_form_factors::DeltaFormFactors;
 use crate::hemicube;
+use crate::hemicubes::Hemicubes;
 use crate::interrupt;
-use crate::settings::FormFactorSettings;
 
 /// What hemispheres can lose power to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,34 +26,31 @@ pub(super) enum Loss {
 const MAX_PIXELS: usize = 1 << 23;
 
 /// The object that is to blame for what the `worst` patches, worst first, lose.
-pub(super) fn culprit(
-    scene: &Scene,
-    settings: FormFactorSettings,
-    loss: Loss,
-    worst: &[(usize, f64)],
-) -> Option<String> {
+pub(super) fn culprit(hemicubes: &Hemicubes, loss: Loss, worst: &[(usize, f64)]) -> Option<String> {
+    let scene = hemicubes.scene();
+    let resolution = hemicubes.settings().resolution;
     let mut blame = Blame {
         scene,
         loss,
         shares: vec![0; scene.objects().len()],
     };
-    let units = settings.units_per_hemicube();
-    let delta_form_factors = DeltaFormFactors::new(settings.maps, settings.resolution, units);
     let tolerance = plane_tolerance(scene);
     let (mut projection, mut raster) = (Projection::default(), Raster::default());
     let mut pixels = 0;
     // To set a surface up takes a few times as long as to fill a pixel.
-    let work = hemicube::pixel_count(settings.resolution) + 8 * scene.surfaces().len();
+    let work = hemicube::pixel_count(resolution) + 8 * scene.surfaces().len();
     'patches: for &(patch, _) in worst {
         let patch = PatchId(patch as u32);
         let own = scene.mesh().surface_of(patch);
-        for frame in hemicube::frames(scene, patch, settings.points) {
+        let frames = hemicubes.frames(patch);
+        let delta_form_factors = hemicubes.delta_form_factors(frames.len() as u32);
+        for frame in frames {
             if pixels > 0 && pixels + work > MAX_PIXELS || interrupt::requested() {
                 break 'patches;
             }
             pixels += work;
             projection.set(scene, &frame, Some(own), true, Cull::Nothing, tolerance);
-            let windows = hemicube::windows(settings.resolution);
+            let windows = hemicube::windows(resolution);
             for (face, window) in windows.iter().enumerate() {
                 raster.draw(&projection, window);
                 let factors = delta_form_factors.face(face);

@@ -1,11 +1,11 @@
 //! What the rows of form factors send to each patch.
 //!
-//! Areas are rounded to 2^-63 of the largest, so that A_i F_ij are integers: their sums do not depend
-//! on the order in which rows are drawn, nor on threads.
+//! Areas are rounded to 2^-50 of the largest and form factors to 2^-20 of a unit, so that A_i F_ij are
+//! integers: their sums do not depend on the order in which rows are drawn, nor on threads.
 
 use rayon::prelude::*;
 
-use crate::rows::RowBatch;
+use crate::rows::{RowBatch, UNITS_PER_ONE};
 
 /// sum_i A_i F_ij and sum_i F_ji for every patch j, over the rows that were added.
 #[derive(Clone, Debug)]
@@ -14,10 +14,21 @@ pub struct Received {
     areas: Vec<u64>,
     /// m^2.
     unit: f64,
-    /// In units of `unit`/`units_per_one`, one per patch. At most 2^63 2^32 2^24.
+    /// In units of `unit`/`PARTS_PER_ONE`, one per patch. At most 2^50 2^52 2^24.
     sums: Vec<u128>,
-    /// In units of 1/`units_per_one`, one per patch; 0 for rows that were not added.
+    /// In units of 1/`PARTS_PER_ONE`, one per patch; 0 for rows that were not added.
     row_sums: Vec<u64>,
+}
+
+/// Parts of a unit that count.
+const PARTS_PER_UNIT: f64 = (1 << 20) as f64;
+
+/// Parts of a form factor of 1.
+const PARTS_PER_ONE: f64 = PARTS_PER_UNIT * UNITS_PER_ONE as f64;
+
+/// A form factor in parts.
+fn parts(units: f32) -> u64 {
+    (f64::from(units) * PARTS_PER_UNIT) as u64
 }
 
 /// Patches whose sums a thread adds up by itself: fewer are not worth the search for their entries.
@@ -26,7 +37,7 @@ const MIN_PATCHES_PER_TASK: usize = 4096;
 impl Received {
     /// No rows yet. `areas` has one element per patch, m^2.
     pub fn new(areas: &[f64]) -> Self {
-        let unit = areas.iter().copied().fold(0.0, f64::max) / (1_u64 << 63) as f64;
+        let unit = areas.iter().copied().fold(0.0, f64::max) / (1_u64 << 50) as f64;
         Self {
             areas: areas.iter().map(|area| (area / unit) as u64).collect(),
             unit,
@@ -41,11 +52,7 @@ impl Received {
         let range = range.start as usize..range.end as usize;
         let row_sums = self.row_sums[range.clone()].par_iter_mut().enumerate();
         row_sums.filter(|(k, _)| new(*k)).for_each(|(k, sum)| {
-            *sum = batch
-                .row(k)
-                .iter()
-                .map(|entry| u64::from(entry.units))
-                .sum();
+            *sum = batch.row(k).iter().map(|entry| parts(entry.units)).sum();
         });
         let areas = &self.areas[range];
         let per_task = self
@@ -63,20 +70,20 @@ impl Received {
                     let Some(sum) = sums.get_mut((entry.patch - first) as usize) else {
                         break;
                     };
-                    *sum += u128::from(area) * u128::from(entry.units);
+                    *sum += u128::from(area) * u128::from(parts(entry.units));
                 }
             }
         });
     }
 
     /// sum_i A_i F_ij, m^2.
-    pub fn area(&self, patch: usize, units_per_one: u32) -> f64 {
-        self.sums[patch] as f64 / f64::from(units_per_one) * self.unit
+    pub fn area(&self, patch: usize) -> f64 {
+        self.sums[patch] as f64 / PARTS_PER_ONE * self.unit
     }
 
     /// sum_i F_ji of patch j, dimensionless; 0 where its row was not added.
-    pub fn row_sum(&self, patch: usize, units_per_one: u32) -> f64 {
-        self.row_sums[patch] as f64 / f64::from(units_per_one)
+    pub fn row_sum(&self, patch: usize) -> f64 {
+        self.row_sums[patch] as f64 / PARTS_PER_ONE
     }
 
     /// True where a row that was added sees the patch.
@@ -102,12 +109,13 @@ mod tests {
                 .step_by(1 + 7 * k)
                 .map(|j| Entry {
                     patch: j as u32,
-                    units: (j * k + 1) as u32,
+                    units: (j * k + 1) as f32,
                 })
                 .collect();
             if k != 3 {
                 for entry in &row {
-                    expected[entry.patch as usize] += areas[5 + k] * f64::from(entry.units);
+                    expected[entry.patch as usize] +=
+                        areas[5 + k] * f64::from(entry.units) / f64::from(UNITS_PER_ONE);
                 }
             }
             batch.push(&row, Unseen::default());
@@ -116,9 +124,10 @@ mod tests {
         let mut received = Received::new(&areas);
         pool.unwrap().install(|| received.add(&batch, |k| k != 3));
         for (j, expected) in expected.iter().enumerate() {
-            // 40 additions of f64; the integer sums are exact but for the areas' rounding.
-            let error = (received.area(j, 1) - expected).abs();
-            assert!(error <= 1e-14 * expected, "{j}: {error}");
+            // 40 additions of f64; the integer sums are exact but for the areas' rounding by 2^-50 of the
+            // largest, which is at most 45 of those added.
+            let error = (received.area(j) - expected).abs();
+            assert!(error <= 1e-13 * expected, "{j}: {error}");
         }
     }
 }

@@ -18,7 +18,7 @@ pub(super) struct VerifyArguments {
     #[arg(value_name = "RESOLUTION", default_value = "128", value_parser = parse_resolution)]
     resolution: u32,
     /// Where a patch's hemicubes stand, as in a run
-    #[arg(long, default_value = "centroid", value_parser = parse_points)]
+    #[arg(long, default_value = "auto", value_parser = parse_points)]
     points: Points,
     /// Exact views of lamps beside the hemicube, as in a run
     #[arg(long, default_value = "auto", value_parser = choice(&[

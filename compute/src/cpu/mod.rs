@@ -6,6 +6,6 @@ mod projection;
 mod raster;
 pub mod rows;
 
-pub use projection::{Cull, Projection, plane_tolerance};
+pub use projection::{COORDINATE_ULPS, Cull, Projection, is_in_plane, plane_tolerance, reach};
 pub use raster::{Raster, Sample};
 pub use rows::CpuRows;

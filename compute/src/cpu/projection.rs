@@ -19,8 +19,8 @@
 // be for the baseline instruction set.
 #![allow(clippy::inline_always)]
 
-use glam::DVec3;
-use scene::{Scene, SurfaceId};
+use glam::{DVec3, Vec3};
+use scene::{Scene, Surface, SurfaceId};
 
 use crate::hemicube::{Frame, Window};
 
@@ -61,17 +61,35 @@ pub struct Projection {
     pub(super) surfaces: Vec<Projected>,
 }
 
-/// Coordinates are f32: a point's distance from a plane through others like it is uncertain by some
-/// units in the last place (2^-24 relative) of the largest coordinate; four of them are taken.
+/// Units in the last place (2^-24 relative) by which f32 coordinates are taken to be uncertain.
+pub const COORDINATE_ULPS: f64 = 4.0 / (1 << 24) as f64;
+
+/// A point's distance from a plane through others like it is uncertain by at most about this, metres: by
+/// some units in the last place of the scene's largest coordinate. Where it matters
+/// [`is_in_plane`] is sharper.
 pub fn plane_tolerance(scene: &Scene) -> f64 {
     let [low, high] = scene.bounds();
-    f64::from(low.abs().max(high.abs()).max_element()) * 4.0 / f64::from(1 << 24)
+    f64::from(low.abs().max(high.abs()).max_element()) * COORDINATE_ULPS
+}
+
+/// True where a distance of `height` metres from a plane is no more than rounding: `tolerance`, which is
+/// [`plane_tolerance`], and what the coordinates themselves are uncertain by, each along its own axis.
+/// In a scene with things far away the second is far less for all the others. `normal` is the plane's,
+/// a unit vector; `reach` is the largest magnitude of the coordinates, metres.
+pub fn is_in_plane(height: f64, tolerance: f64, normal: DVec3, reach: DVec3) -> bool {
+    height <= tolerance && height <= COORDINATE_ULPS * normal.abs().dot(reach)
+}
+
+/// Largest magnitude of a surface's coordinates, by axis, metres.
+pub fn reach(surface: &Surface) -> DVec3 {
+    let [p0, p1, p2] = surface.corners.map(Vec3::abs);
+    p0.max(p1).max(p2).as_dvec3()
 }
 
 impl Projection {
-    /// Sets up all surfaces but `own`, which the eye lies on. `tolerance` is
-    /// [`plane_tolerance`]: surfaces at or below the horizon (z = 0 in the frame, if `horizon`) or
-    /// edge-on within it are left out.
+    /// Sets up all surfaces but `own`, which the eye lies on. `tolerance` is [`plane_tolerance`]: surfaces
+    /// at or below the horizon (z = 0 in the frame, if `horizon`) or edge-on within rounding
+    /// ([`is_in_plane`]) are left out.
     pub fn set(
         &mut self,
         scene: &Scene,
@@ -84,31 +102,39 @@ impl Projection {
         let all = (0..scene.surfaces().len() as u32)
             .map(SurfaceId)
             .filter(|&id| own != Some(id));
-        self.set_some(scene, frame, all, horizon, cull, tolerance);
+        self.set_some(scene, frame, own, all, horizon, cull, tolerance);
     }
 
-    /// The same for some surfaces only.
+    /// The same for some surfaces only; `own` is the eye's.
+    #[expect(clippy::too_many_arguments, reason = "each is a fact about one eye")]
     pub fn set_some(
         &mut self,
         scene: &Scene,
         frame: &Frame,
+        own: Option<SurfaceId>,
         surfaces: impl Iterator<Item = SurfaceId>,
         horizon: bool,
         cull: Cull,
         tolerance: f64,
     ) {
         self.surfaces.clear();
+        let eye_reach = own.map_or(frame.position.abs(), |own| reach(scene.surface(own)));
         for id in surfaces {
             let surface = scene.surface(id);
             let [q0, q1, q2] = surface.corners.map(|p| frame.to_local(p.as_dvec3()));
-            if horizon && q0.z.max(q1.z).max(q2.z) <= tolerance {
+            let in_plane = |height: f64, normal: DVec3| {
+                is_in_plane(height, tolerance, normal, reach(surface).max(eye_reach))
+            };
+            let height = q0.z.max(q1.z).max(q2.z);
+            if horizon && (height <= 0.0 || in_plane(height, frame.normal)) {
                 continue;
             }
             let mut edges = [q1.cross(q2), q2.cross(q0), q0.cross(q1)];
             // Twice the area times the normal; its product with any corner is the determinant.
             let normal = (q1 - q0).cross(q2 - q0);
             let mut determinant = normal.dot(q0);
-            if determinant.abs() <= tolerance * normal.length() {
+            let distance = determinant.abs() / normal.length();
+            if distance <= tolerance && in_plane(distance, surface.normal()) {
                 continue;
             }
             // The eye is in front of a counter-clockwise triangle when the determinant is negative.

@@ -1,22 +1,19 @@
 //! Form factor rows from hemicubes drawn on the CPU.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use rayon::prelude::*;
-use scene::{PatchId, Scene};
+use scene::PatchId;
 
 use super::item_buffer::HemicubeDrawer;
-use crate::delta_form_factors::DeltaFormFactors;
-use crate::hemicube;
+use crate::hemicubes::Hemicubes;
 use crate::rows::{BackendError, Entry, RowBatch, RowSource, Unseen};
-use crate::settings::{FormFactorSettings, Points};
 
 /// The cpu back end. It draws on the threads of the rayon pool it is called in.
 #[derive(Debug)]
 pub struct CpuRows<'a> {
-    scene: &'a Scene,
-    points: Points,
-    delta_form_factors: DeltaFormFactors,
+    hemicubes: Arc<Hemicubes<'a>>,
 }
 
 /// Rows that one thread draws at a time: the fewer, the more even the threads' work.
@@ -26,16 +23,10 @@ const ROWS_PER_TASK: usize = 16;
 const TASKS_PER_THREAD: usize = 4;
 
 impl<'a> CpuRows<'a> {
-    /// A back end for one scene.
-    pub fn new(scene: &'a Scene, settings: FormFactorSettings) -> Self {
+    /// A back end for the hemicubes of one scene.
+    pub fn new(hemicubes: &Arc<Hemicubes<'a>>) -> Self {
         Self {
-            scene,
-            points: settings.points,
-            delta_form_factors: DeltaFormFactors::new(
-                settings.maps,
-                settings.resolution,
-                settings.units_per_hemicube(),
-            ),
+            hemicubes: Arc::clone(hemicubes),
         }
     }
 }
@@ -46,10 +37,7 @@ impl RowSource for CpuRows<'_> {
         let pieces: Vec<RowBatch> = patches
             .collect::<Vec<_>>()
             .par_chunks(ROWS_PER_TASK)
-            .map_init(
-                || RowDrawer::new(self.scene, self.points, &self.delta_form_factors),
-                RowDrawer::rows,
-            )
+            .map_init(|| RowDrawer::new(&self.hemicubes), RowDrawer::rows)
             .collect();
         for piece in pieces {
             batch.append(&piece);
@@ -73,22 +61,19 @@ impl RowSource for CpuRows<'_> {
 /// Draws rows one after the other, for one thread.
 #[derive(Debug)]
 pub struct RowDrawer<'a> {
-    scene: &'a Scene,
-    points: Points,
-    delta_form_factors: &'a DeltaFormFactors,
-    hemicubes: HemicubeDrawer<'a>,
+    hemicubes: &'a Hemicubes<'a>,
+    drawer: HemicubeDrawer<'a>,
     merger: Merger,
     row: Vec<Entry>,
 }
 
 impl<'a> RowDrawer<'a> {
     /// A drawer of rows.
-    pub fn new(scene: &'a Scene, points: Points, factors: &'a DeltaFormFactors) -> Self {
+    pub fn new(hemicubes: &'a Hemicubes<'a>) -> Self {
+        let scene = hemicubes.scene();
         Self {
-            scene,
-            points,
-            delta_form_factors: factors,
-            hemicubes: HemicubeDrawer::new(scene, factors.resolution()),
+            hemicubes,
+            drawer: HemicubeDrawer::new(scene, hemicubes.settings().resolution),
             merger: Merger::new(scene.patch_count()),
             row: Vec::new(),
         }
@@ -96,13 +81,16 @@ impl<'a> RowDrawer<'a> {
 
     /// The row of one patch.
     pub fn row(&mut self, patch: PatchId) -> (&[Entry], Unseen) {
-        let size = self.delta_form_factors.resolution() as usize;
+        let size = self.hemicubes.settings().resolution as usize;
+        let factors = self
+            .hemicubes
+            .delta_form_factors(self.hemicubes.count(patch));
         let (nothing, back_face) = (self.merger.nothing(), self.merger.back_face());
-        for frame in hemicube::frames(self.scene, patch, self.points) {
-            self.hemicubes
+        for frame in self.hemicubes.frames(patch) {
+            self.drawer
                 .draw(patch, &frame, nothing, back_face, |face, j, ids| {
                     self.merger
-                        .add(ids, &self.delta_form_factors.face(face)[j * size..][..size]);
+                        .add(ids, &factors.face(face)[j * size..][..size]);
                 });
         }
         self.row.clear();
@@ -181,7 +169,10 @@ impl Merger {
                 } else if patch == back_face {
                     unseen.back_face = units;
                 } else if units != 0 {
-                    row.push(Entry { patch, units });
+                    row.push(Entry {
+                        patch,
+                        units: units as f32,
+                    });
                 }
             }
         }

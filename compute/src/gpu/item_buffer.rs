@@ -19,6 +19,11 @@ const FACES_OF_TILE: [&[usize]; TILES_PER_HEMICUBE] = [&[0], &[1, 2], &[3, 4]];
 /// Surfaces in the lists of one drawing, 4 bytes each, unless one list alone is longer.
 const LISTED_SURFACES_BUDGET: usize = 4 << 20;
 
+/// Distance of the near plane over the scene's plane tolerance: nearer than any wall is known, in a scene
+/// with things far away too. Reversed f32 depths are as exact with any near plane, and this leaves them
+/// far above 2^-126.
+const NEAR_PLANE: f32 = 1.0 / (1_u64 << 40) as f32;
+
 const COLOUR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Uint;
 const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
@@ -91,8 +96,7 @@ impl AtlasDrawer {
         let faces = gpu.buffer("faces", faces_bytes, written);
         let lists = gpu.buffer("above horizon", 4 * lists_capacity as u64, written);
         let settings = DrawSettings {
-            // A wall nearer than this is nearer than its corners are known.
-            near: plane_tolerance as f32,
+            near: plane_tolerance as f32 * NEAR_PLANE,
             plane_tolerance: plane_tolerance as f32,
             pixel: windows[0].pixel as f32,
             padding: 0.0,
@@ -299,12 +303,18 @@ impl AtlasDrawer {
         }
         let normal = scene.surface(own).normal();
         let height = |p: glam::Vec3| p.as_dvec3().dot(normal);
-        let limit = height(scene.surface(own).corners[0]) + self.plane_tolerance;
+        let own_height = height(scene.surface(own).corners[0]);
+        let own_reach = cpu::reach(scene.surface(own));
+        let tolerance = self.plane_tolerance;
         let (surface, list) = &mut self.horizon;
         *surface = Some(own);
         list.clear();
         list.extend((0..).zip(scene.surfaces()).filter_map(|(index, surface)| {
-            let is_above = surface.corners.into_iter().any(|p| height(p) > limit);
+            let reach = cpu::reach(surface).max(own_reach);
+            let is_above = surface.corners.into_iter().any(|p| {
+                let above = height(p) - own_height;
+                above > 0.0 && !cpu::is_in_plane(above, tolerance, normal, reach)
+            });
             (is_above && index != own.0).then_some(index)
         }));
     }

@@ -69,7 +69,7 @@ fn in_face(vector: vec3f, face: Face) -> vec3f {
 }
 
 // Largest magnitude of the coordinates of a corner and of the eye, metres.
-fn reach(corner: vec3f, face: Face) -> f32 {
+fn largest_coordinate(corner: vec3f, face: Face) -> f32 {
     let largest = max(abs(corner), abs(face.eye_high));
     return max(max(largest.x, largest.y), largest.z);
 }
@@ -96,7 +96,14 @@ fn project(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance
     // and little is lost; turned into the face's, every product would be rounded.
     let normal = cross(surface.corner_1 - surface.corner_0, surface.corner_2 - surface.corner_0);
     let determinant = dot(normal, q_0);
-    if abs(determinant) <= settings.plane_tolerance * length(normal) {
+    // As cpu::is_in_plane, both sides times the normal's length.
+    let far_corner = max(max(abs(surface.corner_0), abs(surface.corner_1)), abs(surface.corner_2));
+    let reach = max(far_corner, abs(face.eye_high));
+    let tolerance = min(
+        settings.plane_tolerance * length(normal),
+        COORDINATE_ULPS * dot(abs(normal), reach),
+    );
+    if abs(determinant) <= tolerance {
         // Edge-on: all three corners in one point outside the picture.
         seen.position = vec4f(2.0, 2.0, 0.0, 1.0);
         return seen;
@@ -121,9 +128,9 @@ fn project(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance
     let lengths = vec3f(length(q_0), length(q_1), length(q_2));
     let outset = select(sqrt(3.0) * FRONT_FACE_OUTSET, 0.0, is_back_face);
     let off = outset * vec3f(
-        reach(surface.corner_0, face),
-        reach(surface.corner_1, face),
-        reach(surface.corner_2, face),
+        largest_coordinate(surface.corner_0, face),
+        largest_coordinate(surface.corner_1, face),
+        largest_coordinate(surface.corner_2, face),
     );
     seen.margins = off.yzx * lengths.zxy + off.zxy * lengths.yzx;
 

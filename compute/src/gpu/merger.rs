@@ -5,9 +5,11 @@ use std::ops::Range;
 
 use super::adapter::Gpu;
 use super::atlas::AtlasLayout;
-use super::structs::{self, MergeSettings, PIXELS_PER_THREAD, RowSummary, Tile, WORKGROUP_SIZE};
-use crate::delta_form_factors::DeltaFormFactors;
+use super::structs::{
+    self, CountedEntry, MergeSettings, PIXELS_PER_THREAD, RowSummary, Tile, WORKGROUP_SIZE,
+};
 use crate::hemicube;
+use crate::hemicubes::Hemicubes;
 use crate::rows::{BackendError, Entry, RowBatch, Unseen};
 
 /// What a batch's sums may take, and what its entries may, bytes each, unless one row alone takes
@@ -22,6 +24,8 @@ pub struct Merger {
     /// `row_count` is that of the last batch.
     settings: MergeSettings,
     max_rows: u32,
+    /// How many hemicubes the patches have for whom the tables of delta form factors are, in order.
+    counts: Vec<u32>,
     add_pixels: wgpu::ComputePipeline,
     count_entries: wgpu::ComputePipeline,
     place_entries: wgpu::ComputePipeline,
@@ -37,22 +41,28 @@ pub struct Merger {
 }
 
 impl Merger {
-    /// Sums for rows of `patch_count` patches, from an atlas.
+    /// Sums for rows of a scene's hemicubes, from an atlas.
     pub fn new(
         gpu: &Gpu,
         atlas: &wgpu::TextureView,
         layout: AtlasLayout,
-        factors: &DeltaFormFactors,
-        patch_count: u32,
-        hemicubes_per_row: u32,
+        hemicubes: &Hemicubes,
     ) -> Result<Self, BackendError> {
+        let patch_count = hemicubes.scene().patch_count();
+        let counts: Vec<u32> = hemicubes.tables().map(|(count, _)| count).collect();
+        let hemicubes_per_row = counts.last().copied().unwrap_or(1);
         let sums_per_row = u64::from(patch_count) + 2;
         let pixels_per_row =
             hemicube::pixel_count(layout.resolution) as u64 * u64::from(hemicubes_per_row);
         let entries_per_row = u64::from(patch_count).min(pixels_per_row);
         let sums_bytes = sums_per_row * size_of::<u32>() as u64;
-        let entries_bytes = entries_per_row * size_of::<Entry>() as u64;
-        let factors: Vec<u32> = [factors.face(0), factors.face(1)].concat();
+        let entries_bytes = entries_per_row * size_of::<CountedEntry>() as u64;
+        let factors: Vec<u32> = hemicubes
+            .tables()
+            .flat_map(|(_, table)| [table.face(0), table.face(1)])
+            .flatten()
+            .copied()
+            .collect();
 
         let limits = gpu.device.limits();
         let most = limits
@@ -117,6 +127,7 @@ impl Merger {
                 row_count: 0,
             },
             max_rows: max_rows as u32,
+            counts,
             add_pixels: pipeline("add_pixels"),
             count_entries: pipeline("count_entries"),
             place_entries: pipeline("place_entries"),
@@ -136,14 +147,16 @@ impl Merger {
         self.max_rows
     }
 
-    /// Describes a hemicube's tile to [`Self::add`].
-    pub fn tile(&self, [origin_x, origin_y]: [u32; 2], row: u32, tile: usize) -> Tile {
+    /// Describes a tile of a hemicube, of which the row's patch has `count`, to [`Self::add`].
+    pub fn tile(&self, [origin_x, origin_y]: [u32; 2], row: u32, tile: usize, count: u32) -> Tile {
         let pixels = self.settings.resolution.pow(2);
-        // The table holds the top, then the one half face that serves all sides.
+        // A table holds the top, then the one half face that serves all sides.
+        let table = self.counts.partition_point(|&c| c < count) as u32;
+        let first = table * (pixels + pixels / 2);
         let (first_factor, factor_period) = if tile == 0 {
-            (0, pixels)
+            (first, pixels)
         } else {
-            (pixels, pixels / 2)
+            (first + pixels, pixels / 2)
         };
         Tile {
             origin_x,
@@ -226,7 +239,7 @@ impl Merger {
     }
 
     fn read_entries(&mut self, gpu: &Gpu, count: u32) -> Result<Vec<Entry>, BackendError> {
-        let bytes = u64::from(count) * size_of::<Entry>() as u64;
+        let bytes = u64::from(count) * size_of::<CountedEntry>() as u64;
         if bytes == 0 {
             return Ok(Vec::new());
         }
@@ -240,7 +253,14 @@ impl Merger {
         let mut encoder = gpu.encoder();
         encoder.copy_buffer_to_buffer(&self.entries, 0, &self.entries_readback, 0, bytes);
         gpu.run(encoder)?;
-        gpu.read(&self.entries_readback, bytes, bytemuck::pod_collect_to_vec)
+        gpu.read(&self.entries_readback, bytes, |bytes| {
+            let counted: Vec<CountedEntry> = bytemuck::pod_collect_to_vec(bytes);
+            let entry = |CountedEntry { patch, units }| Entry {
+                patch,
+                units: units as f32,
+            };
+            counted.into_iter().map(entry).collect()
+        })
     }
 
     fn summaries_bytes(&self) -> u64 {

@@ -1,25 +1,24 @@
 //! Form factor rows from hemicubes drawn on the GPU. Twin of [`crate::cpu::CpuRows`].
 
 use std::ops::Range;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use scene::{PatchId, Scene};
+use scene::PatchId;
 
 use super::adapter::{AdapterChoice, Gpu};
 use super::atlas::TILES_PER_HEMICUBE;
 use super::item_buffer::AtlasDrawer;
 use super::merger::Merger;
 use super::structs::Tile;
-use crate::delta_form_factors::DeltaFormFactors;
 use crate::hemicube::{self, Frame};
+use crate::hemicubes::Hemicubes;
 use crate::rows::{BackendError, RowBatch, RowSource};
-use crate::settings::{FormFactorSettings, Points};
 
 /// The gpu back end.
 #[derive(Debug)]
 pub struct GpuRows<'a> {
-    scene: &'a Scene,
-    points: Points,
+    hemicubes: Arc<Hemicubes<'a>>,
     drawer: AtlasDrawer,
     merger: Merger,
     pace: Pace,
@@ -32,33 +31,19 @@ pub struct GpuRows<'a> {
 impl<'a> GpuRows<'a> {
     /// A back end on the best adapter that the choice accepts.
     pub fn new(
-        scene: &'a Scene,
-        settings: FormFactorSettings,
+        hemicubes: &Arc<Hemicubes<'a>>,
         choice: AdapterChoice,
     ) -> Result<Self, BackendError> {
         let gpu = Gpu::open(choice)?;
-        let drawer = AtlasDrawer::new(&gpu, scene, settings.resolution)?;
-        let factors = DeltaFormFactors::new(
-            settings.maps,
-            settings.resolution,
-            settings.units_per_hemicube(),
-        );
-        let merger = Merger::new(
-            &gpu,
-            drawer.view(),
-            drawer.layout(),
-            &factors,
-            scene.patch_count(),
-            settings.points.count(),
-        )?;
+        let drawer = AtlasDrawer::new(&gpu, hemicubes.scene(), hemicubes.settings().resolution)?;
+        let merger = Merger::new(&gpu, drawer.view(), drawer.layout(), hemicubes)?;
         let pace = Pace::new(drawer.layout().tiles());
         // What goes wrong up to here, such as memory running out, speaks against the adapter.
         if let Some(what) = gpu.failure() {
             return Err(gpu.unsuitable(format!("it cannot be set up ({what})")));
         }
         Ok(Self {
-            scene,
-            points: settings.points,
+            hemicubes: Arc::clone(hemicubes),
             drawer,
             merger,
             pace,
@@ -76,16 +61,18 @@ impl<'a> GpuRows<'a> {
     /// [`crate::cpu::item_buffer::HemicubeDrawer::item_buffer`]. It is read back pixel by pixel, which
     /// is slow; rows never are.
     pub fn item_buffer(&mut self, patch: PatchId, frame: &Frame) -> Result<Vec<u32>, BackendError> {
-        let own = self.scene.mesh().surface_of(patch);
-        let frames = hemicube::frames(self.scene, patch, self.points);
+        let scene = self.hemicubes.scene();
+        let own = scene.mesh().surface_of(patch);
+        let frames = self.hemicubes.frames(patch);
         // A frame that is not one of the patch's own is drawn where the first of them is.
         let point = frames.iter().position(|f| f == frame).unwrap_or(0);
         let layout = self.drawer.layout();
         let mut ids = Vec::with_capacity(hemicube::pixel_count(layout.resolution));
         self.gpu.check()?;
         for tile in 0..TILES_PER_HEMICUBE {
-            let origin = layout.origin(self.hemicube(patch, point), tile);
-            self.drawer.add(self.scene, own, frame, tile, origin);
+            let number = self.hemicubes.first(patch) + point as u64;
+            let origin = layout.origin(number, tile);
+            self.drawer.add(scene, own, frame, tile, origin);
             let mut encoder = self.gpu.encoder();
             self.drawer.draw(&self.gpu, &mut encoder);
             self.gpu.run(encoder)?;
@@ -94,28 +81,25 @@ impl<'a> GpuRows<'a> {
         Ok(ids)
     }
 
-    /// Number of a hemicube among all of the scene's.
-    fn hemicube(&self, patch: PatchId, point: usize) -> u64 {
-        u64::from(patch.0) * u64::from(self.points.count()) + point as u64
-    }
-
     /// Rows of at most as many patches as the merger takes in a batch.
     fn draw_batch(&mut self, patches: Range<u32>) -> Result<RowBatch, BackendError> {
         self.merger.start(&self.gpu, patches.len() as u32);
         for (row, patch) in (0..).zip(patches.clone()) {
-            let own = self.scene.mesh().surface_of(PatchId(patch));
-            let frames = hemicube::frames(self.scene, PatchId(patch), self.points);
-            for (point, frame) in frames.iter().enumerate() {
-                let hemicube = self.hemicube(PatchId(patch), point);
+            let patch = PatchId(patch);
+            let scene = self.hemicubes.scene();
+            let own = scene.mesh().surface_of(patch);
+            let frames = self.hemicubes.frames(patch);
+            for (number, frame) in (self.hemicubes.first(patch)..).zip(&frames) {
                 for tile in 0..TILES_PER_HEMICUBE {
                     if self.tiles.len() as u32 >= self.pace.tiles
-                        || !self.drawer.has_room(self.scene, own)
+                        || !self.drawer.has_room(scene, own)
                     {
                         self.submit(|_, _| {})?;
                     }
-                    let origin = self.drawer.layout().origin(hemicube, tile);
-                    self.drawer.add(self.scene, own, frame, tile, origin);
-                    self.tiles.push(self.merger.tile(origin, row, tile));
+                    let origin = self.drawer.layout().origin(number, tile);
+                    self.drawer.add(scene, own, frame, tile, origin);
+                    let tile = self.merger.tile(origin, row, tile, frames.len() as u32);
+                    self.tiles.push(tile);
                 }
             }
         }
@@ -161,8 +145,10 @@ impl RowSource for GpuRows<'_> {
 
     /// A submission's worth of hemicubes; it grows from small as the adapter turns out to be fast.
     fn preferred_batch(&self) -> u32 {
-        let tiles_per_row = TILES_PER_HEMICUBE as u32 * self.points.count();
-        (self.pace.tiles / tiles_per_row).clamp(1, self.merger.max_rows())
+        let patches = u64::from(self.hemicubes.scene().patch_count().max(1));
+        let hemicubes_per_row = self.hemicubes.total().div_ceil(patches) as u32;
+        (self.pace.tiles / (TILES_PER_HEMICUBE as u32 * hemicubes_per_row))
+            .clamp(1, self.merger.max_rows())
     }
 
     fn describe(&self) -> String {
@@ -211,9 +197,9 @@ impl Pace {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::Maps;
+    use crate::settings::{FormFactorSettings, Maps, Points};
     use glam::{DVec3, Vec3};
-    use scene::{Material, MaterialId, ObjectId, Surface};
+    use scene::{Material, MaterialId, ObjectId, Scene, Surface};
 
     fn scene() -> Scene {
         let material = Material {
@@ -248,7 +234,8 @@ mod tests {
             maps: Maps::Exact,
             points: Points::CENTROID,
         };
-        let mut rows = match GpuRows::new(&scene, settings, AdapterChoice::Any) {
+        let hemicubes = Arc::new(Hemicubes::new(&scene, settings));
+        let mut rows = match GpuRows::new(&hemicubes, AdapterChoice::Any) {
             Ok(rows) => rows,
             Err(BackendError::NoAdapter)
                 if std::env::var_os("REQUIRE_GPU").is_none_or(|value| value != "1") =>
@@ -267,7 +254,7 @@ mod tests {
                 "{lost:?}"
             );
         }
-        let frame = hemicube::frames(&scene, PatchId(0), Points::CENTROID)[0];
+        let frame = hemicubes.frames(PatchId(0))[0];
         let lost = rows.item_buffer(PatchId(0), &frame);
         assert!(
             matches!(lost, Err(BackendError::DeviceLost { .. })),

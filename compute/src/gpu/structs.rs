@@ -6,6 +6,8 @@
 use bytemuck::{Pod, Zeroable};
 use scene::NO_PATCH;
 
+use crate::cpu::COORDINATE_ULPS;
+
 /// Alpha of a pixel that sees nothing: the value the atlas is cleared to.
 pub const ALPHA_NOTHING: u8 = 0;
 /// Alpha of a pixel that sees the back of a surface.
@@ -92,7 +94,7 @@ pub struct Face {
 pub struct DrawSettings {
     /// Distance of the near plane, metres.
     pub near: f32,
-    /// Distance of the eye from a surface's plane up to which it is seen edge-on, metres.
+    /// Distance of the eye from a surface's plane up to which it is seen edge-on at most, metres.
     pub plane_tolerance: f32,
     /// Side of a pixel on the plane at distance 1, dimensionless.
     pub pixel: f32,
@@ -144,6 +146,16 @@ pub struct RowSummary {
     pub back_face: u32,
 }
 
+/// An entry of a row, as the device counts it: [`crate::rows::Entry`] in whole units.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct CountedEntry {
+    /// The patch that receives.
+    pub patch: u32,
+    /// Its form factor in units.
+    pub units: u32,
+}
+
 /// The text of `item_buffer.wgsl`, ready to compile.
 pub fn item_buffer_wgsl() -> String {
     with_constants(include_str!("item_buffer.wgsl"))
@@ -170,6 +182,10 @@ fn with_constants(wgsl: &str) -> String {
             format!("const MIN_GROWTH: f32 = {MIN_GROWTH:?}f;\n"),
             format!("const FRONT_FACE_OUTSET: f32 = {FRONT_FACE_OUTSET:?}f;\n"),
             format!("const RASTERISED_OUTSET: f32 = {RASTERISED_OUTSET:?}f;\n"),
+            format!(
+                "const COORDINATE_ULPS: f32 = {:?}f;\n",
+                COORDINATE_ULPS as f32
+            ),
             wgsl.into(),
         ])
         .collect()
@@ -181,7 +197,6 @@ mod tests {
     use std::mem::offset_of;
 
     use super::*;
-    use crate::rows::Entry;
 
     /// Name, offset and size of each member; and the size of the whole.
     type Layout = (Vec<(String, u32, u32)>, u32);
@@ -248,7 +263,7 @@ mod tests {
             // `patch` is a reserved word in WGSL.
             (
                 "Entry",
-                layout!(Entry { "patch_id" = patch: u32, "units" = units: u32 }),
+                layout!(CountedEntry { "patch_id" = patch: u32, "units" = units: u32 }),
             ),
         ]
     }

@@ -1,29 +1,9 @@
 //! Which surfaces can be in a lamp's view at all.
 
-use glam::{DVec3, Vec3};
-use scene::Surface;
+use glam::DVec3;
 
 use crate::hemicube::{Frame, Window};
-
-/// A sphere around a surface.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Sphere {
-    centre: DVec3,
-    radius: f64,
-}
-
-impl Sphere {
-    /// A sphere through the corner that is farthest from the centroid.
-    pub fn around(surface: &Surface) -> Self {
-        let corners = surface.corners.map(Vec3::as_dvec3);
-        let centre = corners.iter().sum::<DVec3>() / 3.0;
-        let radius = corners
-            .iter()
-            .map(|p| p.distance(centre))
-            .fold(0.0, f64::max);
-        Self { centre, radius }
-    }
-}
+use crate::sphere::Sphere;
 
 /// The part of a cone that a view looks through, up to the lamp.
 #[derive(Clone, Copy, Debug)]

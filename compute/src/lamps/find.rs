@@ -1,17 +1,25 @@
 //! What the lamps of a scene are.
 
+use std::ops::Range;
+
+use glam::{DVec3, Vec3};
 use scene::{Scene, SurfaceId};
 
-use crate::cpu::plane_tolerance;
+use crate::cpu::{is_in_plane, plane_tolerance, reach};
 
-/// Emitting surfaces that touch in one plane.
+/// Emitting surfaces that touch, in one plane or as a convex body.
 #[derive(Clone, Debug)]
 pub(super) struct Lamp {
     /// In their order.
     pub surfaces: Vec<SurfaceId>,
+    /// Their patches, as ascending ranges.
+    pub patches: Vec<Range<u32>>,
     /// Emission summed over channels, W/m^2.
     pub emission: f64,
 }
+
+/// The most work to find out whether a body is convex: its surfaces times its corners.
+const MOST_CONVEXITY_TESTS: usize = 1 << 28;
 
 /// The lamps of a scene, in the order of their first surfaces.
 pub(super) fn lamps(scene: &Scene) -> Vec<Lamp> {
@@ -19,24 +27,64 @@ pub(super) fn lamps(scene: &Scene) -> Vec<Lamp> {
         .map(SurfaceId)
         .filter(|&id| scene.material(scene.surface(id).material).is_emitter())
         .collect();
-    // Each emitter's lamp is named by its first surface; touching ones take the smaller name until
-    // nothing changes any more.
-    let mut first: Vec<usize> = (0..emitters.len()).collect();
+    let tolerance = plane_tolerance(scene);
+    let alike = |a: SurfaceId, b: SurfaceId| scene.surface(a).material == scene.surface(b).material;
+    let mut groups: Vec<Vec<SurfaceId>> = Vec::new();
+    for body in touching(scene, &emitters, alike) {
+        if is_convex(scene, &body, tolerance) {
+            groups.push(body);
+        } else {
+            groups.extend(touching(scene, &body, |a, b| {
+                is_one_plane(scene, a, b, tolerance)
+            }));
+        }
+    }
+    groups.sort_unstable_by_key(|surfaces| surfaces[0]);
+    groups
+        .into_iter()
+        .map(|surfaces| {
+            let emission = scene.material(scene.surface(surfaces[0]).material).emission;
+            Lamp {
+                patches: patches(scene, &surfaces),
+                surfaces,
+                emission: f64::from(emission.element_sum()),
+            }
+        })
+        .collect()
+}
+
+/// The patches of ascending surfaces, as few ranges.
+fn patches(scene: &Scene, surfaces: &[SurfaceId]) -> Vec<Range<u32>> {
+    let mut ranges: Vec<Range<u32>> = Vec::new();
+    for &id in surfaces {
+        let next = scene.mesh().tree(id).patches();
+        match ranges.last_mut() {
+            Some(last) if last.end == next.start => last.end = next.end,
+            _ => ranges.push(next),
+        }
+    }
+    ranges
+}
+
+/// Groups of surfaces that share corners, one next to the other, with those they may be joined to; each
+/// in its order.
+fn touching(
+    scene: &Scene,
+    surfaces: &[SurfaceId],
+    may_join: impl Fn(SurfaceId, SurfaceId) -> bool,
+) -> Vec<Vec<SurfaceId>> {
+    // Each surface's group is named by its first one; touching ones take the smaller name until nothing
+    // changes any more.
+    let mut first: Vec<usize> = (0..surfaces.len()).collect();
     let by_corner = {
-        let mut corners: Vec<([u32; 3], usize)> = emitters
+        let mut corners: Vec<([u32; 3], usize)> = surfaces
             .iter()
             .enumerate()
-            .flat_map(|(k, &id)| {
-                scene
-                    .surface(id)
-                    .corners
-                    .map(|p| (p.to_array().map(|x| (x + 0.0).to_bits()), k))
-            })
+            .flat_map(|(k, &id)| corner_bits(scene, id).map(|bits| (bits, k)))
             .collect();
         corners.sort_unstable();
         corners
     };
-    let tolerance = plane_tolerance(scene);
     let root = |first: &mut [usize], mut k: usize| {
         while first[k] != k {
             // Halves the path for those who come after.
@@ -49,27 +97,52 @@ pub(super) fn lamps(scene: &Scene) -> Vec<Lamp> {
         for pair in same.windows(2) {
             let (j, k) = (pair[0].1, pair[1].1);
             let (a, b) = (root(&mut first, j), root(&mut first, k));
-            if a != b && is_one_plane(scene, emitters[j], emitters[k], tolerance) {
+            if a != b && may_join(surfaces[j], surfaces[k]) {
                 first[a.max(b)] = a.min(b);
             }
         }
     }
-    let mut lamps: Vec<(usize, Lamp)> = Vec::new();
-    for (k, &id) in emitters.iter().enumerate() {
+    let mut groups: Vec<(usize, Vec<SurfaceId>)> = Vec::new();
+    for (k, &id) in surfaces.iter().enumerate() {
         let name = root(&mut first, k);
-        // Names come in growing order: a lamp's first surface comes before its others.
-        if let Ok(found) = lamps.binary_search_by_key(&name, |(name, _)| *name) {
-            lamps[found].1.surfaces.push(id);
-        } else {
-            let emission = scene.material(scene.surface(id).material).emission;
-            let lamp = Lamp {
-                surfaces: vec![id],
-                emission: f64::from(emission.element_sum()),
-            };
-            lamps.push((name, lamp));
+        // Names come in growing order: a group's first surface comes before its others.
+        match groups.binary_search_by_key(&name, |(name, _)| *name) {
+            Ok(found) => groups[found].1.push(id),
+            Err(_) => groups.push((name, vec![id])),
         }
     }
-    lamps.into_iter().map(|(_, lamp)| lamp).collect()
+    groups.into_iter().map(|(_, group)| group).collect()
+}
+
+/// Corners to compare for being the same.
+fn corner_bits(scene: &Scene, id: SurfaceId) -> [[u32; 3]; 3] {
+    let corners = scene.surface(id).corners;
+    // -0 becomes 0.
+    corners.map(|p| p.to_array().map(|x| (x + 0.0).to_bits()))
+}
+
+/// True where no surface has a part of the others in front of it, so that none hides another.
+fn is_convex(scene: &Scene, surfaces: &[SurfaceId], tolerance: f64) -> bool {
+    let mut corners: Vec<[u32; 3]> = surfaces
+        .iter()
+        .flat_map(|&id| corner_bits(scene, id))
+        .collect();
+    corners.sort_unstable();
+    corners.dedup();
+    let corners: Vec<DVec3> = corners
+        .into_iter()
+        .map(|bits| Vec3::from(bits.map(f32::from_bits)).as_dvec3())
+        .collect();
+    surfaces.len() * corners.len() <= MOST_CONVEXITY_TESTS
+        && surfaces.iter().all(|&id| {
+            let surface = scene.surface(id);
+            let (normal, through) = (surface.normal(), surface.corners[0].as_dvec3());
+            let reach = reach(surface);
+            corners.iter().all(|&p| {
+                let height = (p - through).dot(normal);
+                height <= 0.0 || is_in_plane(height, tolerance, normal, reach.max(p.abs()))
+            })
+        })
 }
 
 /// True where two surfaces lie in one plane, face the same way, and emit alike.
@@ -77,9 +150,11 @@ fn is_one_plane(scene: &Scene, a: SurfaceId, b: SurfaceId, tolerance: f64) -> bo
     let (a, b) = (scene.surface(a), scene.surface(b));
     let normal = a.normal();
     let through = a.corners[0].as_dvec3();
+    let reach = reach(a).max(reach(b));
     a.material == b.material
         && normal.dot(b.normal()) > 0.0
-        && b.corners
-            .iter()
-            .all(|p| (p.as_dvec3() - through).dot(normal).abs() <= tolerance)
+        && b.corners.iter().all(|p| {
+            let height = (p.as_dvec3() - through).dot(normal).abs();
+            is_in_plane(height, tolerance, normal, reach)
+        })
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::view::Seen;
-use crate::rows::{Entry, Unseen};
+use crate::rows::{Entry, UNITS_PER_ONE, Unseen};
 
 /// True where one of the ascending ranges holds the patch.
 pub(super) fn is_in(ranges: &[Range<u32>], patch: u32) -> bool {
@@ -13,60 +13,46 @@ pub(super) fn is_in(ranges: &[Range<u32>], patch: u32) -> bool {
 
 /// The row with the lamps' entries replaced, all others scaled to keep the sum, in patch order. `None`
 /// where the hemicube sees nothing else that could take or give the difference.
-pub(super) fn merge(
-    row: &[Entry],
-    unseen: Unseen,
-    seen: &Seen,
-    units_per_one: u32,
-) -> Option<(Vec<Entry>, Unseen)> {
+pub(super) fn merge(row: &[Entry], unseen: Unseen, seen: &Seen) -> Option<(Vec<Entry>, Unseen)> {
     if seen.replaced.is_empty() {
         return None;
     }
-    let one = f64::from(units_per_one);
+    let one = f64::from(UNITS_PER_ONE);
     let lamps: Vec<Entry> = seen
         .factors
         .iter()
         .map(|&(patch, factor)| Entry {
             patch,
-            units: (factor * one).round() as u32,
+            units: (factor * one) as f32,
         })
-        .filter(|entry| entry.units > 0)
+        .filter(|entry| entry.units > 0.0)
         .collect();
-    let lamp_units: u64 = lamps.iter().map(|e| u64::from(e.units)).sum();
-    let drawn_units: u64 = row
-        .iter()
-        .filter(|e| is_in(&seen.replaced, e.patch))
-        .map(|e| u64::from(e.units))
-        .sum();
-    let others = u64::from(units_per_one) - drawn_units;
-    if others == 0 || lamp_units > u64::from(units_per_one) {
+    let sum = |entries: &mut dyn Iterator<Item = &Entry>| -> f64 {
+        entries.map(|entry| f64::from(entry.units)).sum()
+    };
+    let lamp_units = sum(&mut lamps.iter());
+    let others = sum(&mut row.iter().filter(|e| !is_in(&seen.replaced, e.patch)))
+        + f64::from(unseen.open)
+        + f64::from(unseen.back_face);
+    if others <= 0.0 || lamp_units > one {
         return None;
     }
-    let scale = (u64::from(units_per_one) - lamp_units) as f64 / others as f64;
-    // Rounding is carried along, so that the sum is kept to the unit.
-    let (mut before, mut given) = (0_u64, 0_u64);
-    let mut scaled = |units: u32| {
-        before += u64::from(units);
-        let now = (before as f64 * scale).round() as u64;
-        let share = now.saturating_sub(given);
-        given = now;
-        share as u32
-    };
+    let scale = (one - lamp_units) / others;
     let mut merged = Vec::with_capacity(row.len() + lamps.len());
     let mut lamps = lamps.into_iter().peekable();
     for entry in row.iter().filter(|e| !is_in(&seen.replaced, e.patch)) {
         while let Some(lamp) = lamps.next_if(|lamp| lamp.patch < entry.patch) {
             merged.push(lamp);
         }
-        let units = scaled(entry.units);
-        if units > 0 {
-            merged.push(Entry { units, ..*entry });
-        }
+        merged.push(Entry {
+            units: (f64::from(entry.units) * scale) as f32,
+            ..*entry
+        });
     }
     merged.extend(lamps);
     let unseen = Unseen {
-        open: scaled(unseen.open),
-        back_face: scaled(unseen.back_face),
+        open: (f64::from(unseen.open) * scale).round() as u32,
+        back_face: (f64::from(unseen.back_face) * scale).round() as u32,
     };
     Some((merged, unseen))
 }

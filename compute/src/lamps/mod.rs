@@ -13,7 +13,8 @@
 //! delta form factor. A lamp that nothing hides is exact.
 //!
 //! # Practice
-//! Emitting surfaces that touch in one plane are one lamp. A lamp matters to a patch when, unhidden, it
+//! Emitting surfaces of one material that touch are one lamp where they lie in one plane or make a
+//! convex body, of which no part hides another. A lamp matters to a patch when, unhidden, it
 //! would bring at least a hundredth (LEAST_SHARE) of all that lamps could bring there, and it is among the first
 //! eight (MOST_VIEWS) by that measure: a thousand equal lamps are left to the hemicube, where their errors
 //! average out. In the patch's row the hemicube's entries for the lamp give way to these, and the others are
@@ -22,23 +23,25 @@
 mod cone;
 mod find;
 mod merge;
+mod piece;
 mod view;
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use rayon::prelude::*;
-use scene::{PatchId, Scene};
+use scene::PatchId;
 
-use self::cone::Sphere;
 use self::find::{Lamp, lamps};
 use self::view::LampViewer;
+use crate::hemicubes::Hemicubes;
 use crate::rows::{BackendError, Entry, RowBatch, RowSource, Unseen};
-use crate::settings::{FormFactorSettings, LampViews, Maps};
+use crate::settings::{LampViews, Maps};
+use crate::sphere::Sphere;
 
 /// Form factor rows in which lamps have their own views.
 pub struct LampRows<'a> {
-    scene: &'a Scene,
-    settings: FormFactorSettings,
+    hemicubes: Arc<Hemicubes<'a>>,
     lamps: Vec<Lamp>,
     /// One per surface.
     spheres: Vec<Sphere>,
@@ -49,19 +52,18 @@ pub struct LampRows<'a> {
 /// Rows of `source` in which lamps have their own views, as far as they are asked for; the thesis's maps
 /// are left as the thesis has them.
 pub fn with_lamps<'a>(
-    scene: &'a Scene,
-    settings: FormFactorSettings,
+    hemicubes: &Arc<Hemicubes<'a>>,
     views: LampViews,
     source: Box<dyn RowSource + 'a>,
 ) -> Box<dyn RowSource + 'a> {
-    let off = views == LampViews::Off || settings.maps == Maps::Thesis;
+    let scene = hemicubes.scene();
+    let off = views == LampViews::Off || hemicubes.settings().maps == Maps::Thesis;
     let lamps = if off { Vec::new() } else { lamps(scene) };
     if lamps.is_empty() {
         return source;
     }
     Box::new(LampRows {
-        scene,
-        settings,
+        hemicubes: Arc::clone(hemicubes),
         lamps,
         spheres: scene.surfaces().iter().map(Sphere::around).collect(),
         all: views == LampViews::All,
@@ -73,8 +75,7 @@ impl RowSource for LampRows<'_> {
     fn draw_rows(&mut self, patches: Range<u32>) -> Result<RowBatch, BackendError> {
         let drawn = self.inner.draw_rows(patches.clone())?;
         let Self {
-            scene,
-            settings,
+            hemicubes,
             lamps,
             spheres,
             all,
@@ -84,7 +85,7 @@ impl RowSource for LampRows<'_> {
             .clone()
             .into_par_iter()
             .map_init(
-                || LampViewer::new(scene, *settings, lamps, spheres, *all),
+                || LampViewer::new(hemicubes, lamps, spheres, *all),
                 |viewer, patch| {
                     let k = (patch - patches.start) as usize;
                     viewer.refine(PatchId(patch), drawn.row(k), drawn.unseen(k))

@@ -3,6 +3,7 @@
 //! A solver is advanced a batch of rows at a time, so that between any two batches a run can be
 //! watched, stopped, or written to a file from which it goes on with the same bits.
 
+pub mod convergence;
 mod gather;
 mod shoot;
 

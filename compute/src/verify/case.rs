@@ -125,6 +125,12 @@ pub const SOLVED: Tolerance = Tolerance {
     reason: "solved to a residual of 1e-7, stored as f32; reflectance at most 0.75 amplifies by 4",
 };
 
+/// The same for shooting, which adds up what arrives in some thousand shots as f32.
+pub const SHOT: Tolerance = Tolerance {
+    relative: 1e-4,
+    reason: "sums of thousands of shots, stored as f32",
+};
+
 /// Of a furnace: closure and the solver's residual, both 1e-6, grow by 1 / (1 - rho).
 pub fn furnace(reflectance: f64) -> Tolerance {
     Tolerance {

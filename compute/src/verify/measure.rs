@@ -1,10 +1,13 @@
 //! Measuring a case by the pipeline that solves scenes: back end, rows, solver.
 
+use std::sync::Arc;
+
 use scene::{Provenance, Rgb, Scene, Solution};
 
 use super::case::{Case, Expected, Measure};
 use super::{Accuracy, VerifyError, dense, path_tracer};
 use crate::backend;
+use crate::hemicubes::Hemicubes;
 use crate::lamps::with_lamps;
 use crate::problem::Problem;
 use crate::row_cache::RowCache;
@@ -55,11 +58,11 @@ pub fn measure(
     choice: BackendChoice,
 ) -> Result<(Measured, &'static str), VerifyError> {
     let scene = case.scene.build()?;
-    let settings = accuracy.form_factors;
-    let backend = backend::open(&scene, settings, choice)?;
+    let hemicubes = Arc::new(Hemicubes::new(&scene, accuracy.form_factors));
+    let backend = backend::open(&hemicubes, choice)?;
     let name = backend.name;
-    let source = with_lamps(&scene, settings, accuracy.lamps, backend.source);
-    let rows = RowCache::new(&scene, source, settings, MEMORY_BYTES);
+    let source = with_lamps(&hemicubes, accuracy.lamps, backend.source);
+    let rows = RowCache::new(&hemicubes, source, MEMORY_BYTES);
     let mut bench = Bench {
         scene: &scene,
         rows,
@@ -157,12 +160,12 @@ impl Bench<'_> {
         let (mut weighted, mut area) = (0.0, 0.0);
         for run in self.patches_of(from) {
             self.each_row(run, |i, row| {
-                let units: u64 = row
+                let units: f64 = row
                     .iter()
                     .filter(|entry| is_target[entry.patch as usize])
-                    .map(|entry| u64::from(entry.units))
+                    .map(|entry| f64::from(entry.units))
                     .sum();
-                weighted += areas[i as usize] * units as f64;
+                weighted += areas[i as usize] * units;
                 area += areas[i as usize];
             })?;
         }
@@ -191,8 +194,8 @@ impl Bench<'_> {
         let units_per_one = f64::from(self.rows.units_per_one());
         let mut sums = Vec::new();
         self.each_row(0..self.scene.patch_count(), |_, row| {
-            let units: u64 = row.iter().map(|entry| u64::from(entry.units)).sum();
-            sums.push(units as f64 / units_per_one);
+            let units: f64 = row.iter().map(|entry| f64::from(entry.units)).sum();
+            sums.push(units / units_per_one);
         })?;
         Ok(sums)
     }

@@ -27,11 +27,13 @@ mod rooms;
 pub mod shapes;
 
 use std::io::Write;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use scene::SceneError;
 
 use crate::backend;
+use crate::hemicubes::Hemicubes;
 use crate::quantity::show_duration;
 use crate::rows::BackendError;
 use crate::settings::{BackendChoice, FormFactorSettings, LampViews};
@@ -252,8 +254,8 @@ fn choices(
             let mut choices = vec![BackendChoice::Cpu];
             if let Some(case) = cases.first() {
                 let scene = case.scene.build()?;
-                if backend::open(&scene, accuracy.form_factors, BackendChoice::Auto)?.name == "gpu"
-                {
+                let hemicubes = Arc::new(Hemicubes::new(&scene, accuracy.form_factors));
+                if backend::open(&hemicubes, BackendChoice::Auto)?.name == "gpu" {
                     choices.push(BackendChoice::Auto);
                 }
             }

@@ -11,9 +11,9 @@ use super::shapes::{self, SceneBuilder, Triangle};
 
 const DATA: &str = include_str!("view_factors.json");
 
-/// Below this a target may be too small for pixels, of which a face's centre one has 8e-5 at 128
-/// pixels; only a lamp that small matters to anybody, so the target is one.
-const LAMP_FORM_FACTOR: f64 = 1e-3;
+/// Below this a target covers some hundred pixels at most, of the 49,152 of a hemicube of 128: what is so
+/// small matters to somebody only as a lamp, so the target is one.
+const LAMP_FORM_FACTOR: f64 = 1e-2;
 
 /// Level of the spheres whose rows are drawn: 320 patches.
 const SPHERE_FROM: u32 = 2;

@@ -1,6 +1,9 @@
 //! The solvers on their own, and the equations they solve, as dense matrices.
 
+use std::sync::Arc;
+
 use compute::cpu::CpuRows;
+use compute::hemicubes::Hemicubes;
 use compute::problem::Problem;
 use compute::row_cache::RowCache;
 use compute::settings::{FormFactorSettings, Maps, Points};
@@ -39,8 +42,9 @@ pub fn solver(method: Method, scene: &Scene, start: Solution) -> Box<dyn Solver>
 }
 
 pub fn rows(scene: &Scene, budget_bytes: u64) -> RowCache<'_> {
-    let source = Box::new(CpuRows::new(scene, SETTINGS));
-    RowCache::new(scene, source, SETTINGS, budget_bytes)
+    let hemicubes = Arc::new(Hemicubes::new(scene, SETTINGS));
+    let source = Box::new(CpuRows::new(&hemicubes));
+    RowCache::new(&hemicubes, source, budget_bytes)
 }
 
 /// Goes on until `iterations` more are done; steps that end none are free.

@@ -8,7 +8,10 @@ mod model;
 mod rows;
 mod twins;
 
+use std::sync::Arc;
+
 use compute::gpu::{AdapterChoice, GpuRows};
+use compute::hemicubes::Hemicubes;
 use compute::rows::BackendError;
 use compute::settings::{FormFactorSettings, Maps, Points};
 use scene::Scene;
@@ -23,7 +26,8 @@ fn settings(resolution: u32) -> FormFactorSettings {
 
 /// A back end, or `None` where there is no adapter and none is required.
 fn open(scene: &Scene, settings: FormFactorSettings) -> Option<GpuRows<'_>> {
-    match GpuRows::new(scene, settings, AdapterChoice::Any) {
+    let hemicubes = Arc::new(Hemicubes::new(scene, settings));
+    match GpuRows::new(&hemicubes, AdapterChoice::Any) {
         Ok(rows) => Some(rows),
         Err(BackendError::NoAdapter)
             if std::env::var_os("REQUIRE_GPU").is_none_or(|v| v != "1") =>

@@ -1,7 +1,7 @@
 //! Small scenes: rooms and boxes, turned in space.
 
-use compute::hemicube::{self, Frame};
-use compute::settings::Points;
+use compute::hemicube::Frame;
+use compute::hemicubes::Hemicubes;
 use glam::{DQuat, DVec3, EulerRot};
 use scene::{Material, MaterialId, ObjectId, PatchId, Scene, Surface};
 
@@ -216,7 +216,14 @@ pub fn ruin() -> Model {
     model
 }
 
+/// The room, with a box outside it that is millions of times as far away as its walls.
+pub fn room_far_from_a_box() -> Model {
+    let mut model = room();
+    model.cuboid(DVec3::splat(1e7), DVec3::splat(1.1e7), false);
+    model
+}
+
 /// The hemicube on a patch's centroid.
 pub fn frame(scene: &Scene, patch: PatchId) -> Frame {
-    hemicube::frames(scene, patch, Points::CENTROID)[0]
+    Hemicubes::new(scene, super::settings(2)).frames(patch)[0]
 }

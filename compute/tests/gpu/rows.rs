@@ -2,8 +2,8 @@
 
 use compute::cpu::item_buffer::{BACK_FACE, NOTHING};
 use compute::delta_form_factors::DeltaFormFactors;
-use compute::hemicube;
-use compute::rows::{Entry, RowBatch, RowSource, Unseen};
+use compute::hemicubes::Hemicubes;
+use compute::rows::{Entry, RowBatch, RowSource, UNITS_PER_ONE, Unseen};
 use compute::settings::{FormFactorSettings, Maps, Points};
 use scene::{PatchId, Scene};
 
@@ -19,13 +19,13 @@ fn row_on_host(
     let factors = DeltaFormFactors::new(
         settings.maps,
         settings.resolution,
-        settings.units_per_hemicube(),
+        UNITS_PER_ONE / item_buffers.len() as u32,
     );
     let table: Vec<u32> = (0..5)
         .flat_map(|face| factors.face(face))
         .copied()
         .collect();
-    let mut units = vec![0; scene.patch_count() as usize];
+    let mut units = vec![0_u32; scene.patch_count() as usize];
     let mut unseen = Unseen::default();
     for ids in item_buffers {
         for (&id, factor) in ids.iter().zip(&table) {
@@ -39,7 +39,10 @@ fn row_on_host(
     let entries = (0..)
         .zip(units)
         .filter(|&(_, units)| units != 0)
-        .map(|(patch, units)| Entry { patch, units })
+        .map(|(patch, units)| Entry {
+            patch,
+            units: units as f32,
+        })
         .collect();
     (entries, unseen)
 }
@@ -56,7 +59,8 @@ fn assert_rows_are_their_item_buffers_sums(
     let rows = gpu.draw_rows(patches.clone()).unwrap();
     assert_eq!(rows.patches(), patches);
     for (k, patch) in patches.enumerate() {
-        let item_buffers: Vec<_> = hemicube::frames(scene, PatchId(patch), settings.points)
+        let item_buffers: Vec<_> = Hemicubes::new(scene, settings)
+            .frames(PatchId(patch))
             .iter()
             .map(|frame| gpu.item_buffer(PatchId(patch), frame).unwrap())
             .collect();
@@ -76,6 +80,7 @@ fn rows_are_the_sums_of_their_item_buffers_to_the_bit() {
         (100, Points::CENTROID, Maps::Exact),
         (128, Points::Vertices, Maps::Exact),
         (50, Points::Bisected { bisections: 4 }, Maps::Thesis),
+        (64, Points::Auto, Maps::Exact),
     ] {
         let settings = FormFactorSettings {
             resolution,
@@ -122,11 +127,12 @@ fn closed_room_sees_itself_completely() {
                 return;
             };
             let rows = gpu.draw_rows(0..scene.patch_count()).unwrap();
-            let one = settings.units_per_one();
             for k in 0..rows.patches().len() {
                 assert_eq!(rows.unseen(k), Unseen::default(), "{points}, patch {k}");
-                let sum: u32 = rows.row(k).iter().map(|entry| entry.units).sum();
-                assert_eq!(sum, one, "{points}, patch {k}");
+                let sum: f64 = rows.row(k).iter().map(|e| f64::from(e.units)).sum();
+                // Each entry is rounded to half of 2^-24 of itself.
+                let error = sum / f64::from(UNITS_PER_ONE) - 1.0;
+                assert!(error.abs() < 6e-8, "{points}, patch {k}: {error}");
                 assert!(
                     rows.row(k).is_sorted_by(|a, b| a.patch < b.patch),
                     "{points}, patch {k}"
