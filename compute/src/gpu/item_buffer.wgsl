@@ -37,17 +37,25 @@ struct DrawSettings {
 @group(0) @binding(3) var<storage, read> above_horizon: array<u32>;
 
 struct Seen {
-    // Surfaces that share corners must share them exactly, or pixels are lost between them.
-    @builtin(position) @invariant position: vec4f,
+    @builtin(position) position: vec4f,
     // e_k(x, y) = edge_k . (x, y, 1): the barycentric coordinates up to a common factor.
     @location(0) @interpolate(flat) edge_0: vec3f,
     @location(1) @interpolate(flat) edge_1: vec3f,
     @location(2) @interpolate(flat) edge_2: vec3f,
+    // How far below 0 each e_k may be.
+    @location(3) @interpolate(flat) margins: vec3f,
+    // Reversed depth, near / w = inverse_depth . (x, y, 1), with the far plane at infinity.
+    @location(4) @interpolate(flat) inverse_depth: vec3f,
     // Where the face starts in the atlas, pixels, and its bottom, dimensionless.
-    @location(3) @interpolate(flat) origin: vec3f,
-    @location(4) @interpolate(flat) first_patch: u32,
-    @location(5) @interpolate(flat) depth: u32,
-    @location(6) @interpolate(flat) is_back_face: u32,
+    @location(5) @interpolate(flat) origin: vec3f,
+    @location(6) @interpolate(flat) first_patch: u32,
+    @location(7) @interpolate(flat) depth: u32,
+    @location(8) @interpolate(flat) is_back_face: u32,
+}
+
+struct Pixel {
+    @location(0) id: vec4u,
+    @builtin(frag_depth) depth: f32,
 }
 
 // The eye is close to the patch's plane and far from the scene's origin: its two parts keep the
@@ -58,6 +66,21 @@ fn from_eye(corner: vec3f, face: Face) -> vec3f {
 
 fn in_face(vector: vec3f, face: Face) -> vec3f {
     return vec3f(dot(vector, face.right), dot(vector, face.up), dot(vector, face.forward));
+}
+
+// Largest magnitude of the coordinates of a corner and of the eye, metres.
+fn largest_coordinate(corner: vec3f, face: Face) -> f32 {
+    let largest = max(abs(corner), abs(face.eye_high));
+    return max(max(largest.x, largest.y), largest.z);
+}
+
+// The normal of the plane through the eye and an edge, q_i x q_j, from the nearer corner, with less to
+// cancel. From the other side of the edge it is the same to the bit, but for its sign.
+fn edge(q_i: vec3f, q_j: vec3f, along: vec3f) -> vec3f {
+    let length_i = dot(q_i, q_i);
+    let length_j = dot(q_j, q_j);
+    let q = select(select(q_j, q_i, length_i < length_j), 0.5 * (q_i + q_j), length_i == length_j);
+    return cross(q, along);
 }
 
 @vertex
@@ -87,23 +110,58 @@ fn project(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance
     }
     let is_back_face = determinant > 0.0;
     seen.is_back_face = u32(is_back_face);
-    // q_{k+1} x q_{k+2} = q_{k+1} x (q_{k+2} - q_{k+1}), with less to cancel; positive inside.
     let inside = select(-1.0, 1.0, is_back_face);
-    seen.edge_0 = in_face(inside * cross(q_1, surface.corner_2 - surface.corner_1), face);
-    seen.edge_1 = in_face(inside * cross(q_2, surface.corner_0 - surface.corner_2), face);
-    seen.edge_2 = in_face(inside * cross(q_0, surface.corner_1 - surface.corner_0), face);
+    seen.edge_0 = in_face(inside * edge(q_1, q_2, surface.corner_2 - surface.corner_1), face);
+    seen.edge_1 = in_face(inside * edge(q_2, q_0, surface.corner_0 - surface.corner_2), face);
+    seen.edge_2 = in_face(inside * edge(q_0, q_1, surface.corner_1 - surface.corner_0), face);
     seen.origin = vec3f(face.origin_x, face.origin_y, face.bottom);
     seen.first_patch = surface.first_patch;
     seen.depth = surface.depth;
 
-    let corner = vertex % 3u;
-    let q = in_face(select(select(q_2, q_1, corner == 1u), q_0, corner == 0u), face);
-    // Rows grow upwards in a face and downwards in the atlas. Both factors are exact.
-    let y = q.y * (2.0 / face.height) - q.z * (2.0 * face.bottom / face.height + 1.0);
-    // Reversed depth, near / w, with the far plane at infinity. Where a front and a back meet at the
-    // silhouette of a closed body, their depths are the same but for rounding: the front is to win.
+    // Where a front and a back meet at the silhouette of a closed body, their depths are the same but
+    // for rounding: the front is to win.
     let near = settings.near * select(1.0, BACK_FACE_RETREAT, is_back_face);
-    seen.position = vec4f(q.x, -y, near, q.z);
+    seen.inverse_depth = in_face(normal, face) / determinant * near;
+
+    // A corner that is off by d moves an edge's plane q_i x q_j by d times the other corner's length
+    // at most, and no ray through a picture is longer than sqrt(3).
+    let lengths = vec3f(length(q_0), length(q_1), length(q_2));
+    let outset = select(sqrt(3.0) * FRONT_FACE_OUTSET, 0.0, is_back_face);
+    let off = outset * vec3f(
+        largest_coordinate(surface.corner_0, face),
+        largest_coordinate(surface.corner_1, face),
+        largest_coordinate(surface.corner_2, face),
+    );
+    seen.margins = off.yzx * lengths.zxy + off.zxy * lengths.yzx;
+
+    // What is rasterised has its edges farther outwards: wherever its corners are then rounded to, it
+    // has all pixels that are seen. By u_k, as barycentric coordinates of a point at w = 1.
+    let edge_per_pixel = settings.pixel * vec3f(
+        dot(abs(seen.edge_0.xy), vec2f(1.0)),
+        dot(abs(seen.edge_1.xy), vec2f(1.0)),
+        dot(abs(seen.edge_2.xy), vec2f(1.0)),
+    );
+    let u = (seen.margins + RASTERISED_OUTSET * edge_per_pixel) / abs(determinant);
+    let corners = array(in_face(q_0, face), in_face(q_1, face), in_face(q_2, face));
+    let k = vertex % 3u;
+    // The moved edges' determinant over the edges' own.
+    let growth = 1.0 + dot(u, vec3f(corners[0].z, corners[1].z, corners[2].z));
+    if growth < MIN_GROWTH {
+        // The whole picture. Behind the eye, outwards is inwards: there, a triangle that is all but
+        // edge-on may be turned inside out.
+        seen.position = vec4f(select(-1.0, 3.0, k == 1u), select(-1.0, 3.0, k == 2u), 0.0, 1.0);
+        return seen;
+    }
+    // Where the moved edges i and j meet: q - w / s (u_i (q_i - q) + u_j (q_j - q)), times s.
+    let i = (k + 1u) % 3u;
+    let j = (k + 2u) % 3u;
+    let q = corners[k];
+    let inwards = u[i] * (corners[i] - q) + u[j] * (corners[j] - q);
+    let meeting = (1.0 + inwards.z) * q.xy - q.z * inwards.xy;
+    // Rows grow upwards in a face and downwards in the atlas. Both factors are exact.
+    let y = meeting.y * (2.0 / face.height) - q.z * (2.0 * face.bottom / face.height + 1.0);
+    // Reversed depth, though pixels have their own: what is nearer than the near plane is cut off.
+    seen.position = vec4f(meeting.x, -y, settings.near, q.z);
     return seen;
 }
 
@@ -126,7 +184,7 @@ fn leaf_code(depth: u32, barycentric: vec3f) -> u32 {
 }
 
 @fragment
-fn look_up(seen: Seen) -> @location(0) vec4u {
+fn look_up(seen: Seen) -> Pixel {
     let x = (seen.position.x - seen.origin.x) * settings.pixel - 1.0;
     let y = (seen.position.y - seen.origin.y) * settings.pixel + seen.origin.z;
     let direction = vec3f(x, y, 1.0);
@@ -135,17 +193,17 @@ fn look_up(seen: Seen) -> @location(0) vec4u {
         dot(seen.edge_1, direction),
         dot(seen.edge_2, direction),
     );
-    var id = seen.first_patch + leaf_code(seen.depth, barycentric);
-    var alpha = ALPHA_PATCH;
-    if seen.is_back_face != 0u {
-        // Rounded corners may let a surface cover a pixel that it passes by. For a back at the silhouette
-        // of a closed body, that would show the inside.
-        let least = min(barycentric.x, min(barycentric.y, barycentric.z));
-        if least < -BACK_FACE_MARGIN * (barycentric.x + barycentric.y + barycentric.z) {
-            discard;
-        }
-        id = NO_PATCH;
-        alpha = ALPHA_BACK_FACE;
+    if any(barycentric < -seen.margins) {
+        discard;
     }
-    return vec4u((id >> 16u) & 255u, (id >> 8u) & 255u, id & 255u, alpha);
+    var pixel: Pixel;
+    // 0, where it fails against nothing at all, beyond the plane's horizon.
+    pixel.depth = saturate(dot(seen.inverse_depth, direction));
+    if seen.is_back_face != 0u {
+        pixel.id = vec4u(0u, 0u, 0u, ALPHA_BACK_FACE);
+    } else {
+        let id = seen.first_patch + leaf_code(seen.depth, barycentric);
+        pixel.id = vec4u((id >> 16u) & 255u, (id >> 8u) & 255u, id & 255u, ALPHA_PATCH);
+    }
+    return pixel;
 }

@@ -19,17 +19,20 @@
 //!
 //! # Differences
 //! The cpu sets surfaces up in f64; here it is f32, relative to the eye and in the scene's axes. Where
-//! a pixel's ray passes an edge (of a surface or of a patch) within rounding, or within the 1/256 of
-//! a pixel to which GPUs snap corners, the two may see different patches. What lies below the
-//! horizon is left out by the host, in f64, with the cpu's tolerance.
+//! a pixel's ray passes an edge (of a surface or of a patch) within rounding, the two may see different
+//! patches. What lies below the horizon is left out by the host, in f64, with the cpu's tolerance.
 //!
-//! Snapping could also let a closed body show the backs of its far sides along its silhouette, so
-//! backs are drawn with some reluctance ([`structs::BACK_FACE_RETREAT`],
-//! [`structs::BACK_FACE_MARGIN`]); a few pixels in some thousand hemicubes remain.
+//! GPUs round corners to some 1/256 of a pixel, and what touches without sharing corners comes apart. So
+//! surfaces are rasterised a little too large ([`structs::RASTERISED_OUTSET`]), and each pixel finds out
+//! for itself, as on the cpu, whether its ray meets the surface, and how far away. Fronts are too large by
+//! what rounding can do ([`structs::FRONT_FACE_OUTSET`]), backs by nothing: their edges are
+//! the same to the bit from either side, so that no ray passes between two, and where one meets a
+//! front at a silhouette, the front wins ([`structs::BACK_FACE_RETREAT`]). What a pixel sees then
+//! follows from the arithmetic at its centre, whatever a rasteriser does.
 //!
-//! How corners are snapped depends on where in the atlas they are. So that a row has the same bits
-//! whatever it is drawn together with, a hemicube's place in the atlas follows from its patch alone.
-//! Another adapter may give other bits.
+//! A row must have the same bits whatever it is drawn together with. So that this does not hang on how
+//! corners are rounded either, a hemicube's place in the atlas follows from its patch alone. Another
+//! adapter may give other bits, where it rounds products and sums together.
 
 pub mod adapter;
 pub mod atlas;

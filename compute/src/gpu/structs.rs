@@ -16,15 +16,28 @@ pub const ALPHA_BACK_FACE: u8 = 128;
 pub const ALPHA_PATCH: u8 = 255;
 
 /// What the reversed depth of a back is multiplied by, so that it lies behind the front that it meets at
-/// a silhouette. Depths are interpolated in f32 from corners that may be some thousand times as far
-/// from the picture's middle as its border is: 2^-12 covers an error of 2^-24 grown that much. A back in
-/// front of something by less than that share of its distance is not reported.
+/// a silhouette. Depths are f32: for a plane that is seen at an angle theta they err by some 2^-22 / theta,
+/// which 2^-12 covers down to a thousandth. A back in front of something by less than that share of its
+/// distance is not reported.
 pub const BACK_FACE_RETREAT: f32 = 1.0 - 1.0 / 4096.0;
 
-/// How far outside a back, in barycentric coordinates, a pixel's centre may lie by rounding alone; else
-/// pixels would be lost between two triangles of one sheet. Tuned: 0 loses some, and 2^-15 shows the
-/// inside of closed bodies as often as no margin at all.
-pub const BACK_FACE_MARGIN: f32 = 1.0 / 262_144.0;
+/// How far outwards the edges of fronts are moved, relative to the largest coordinate of a corner and of the
+/// eye, so that a ray that passes between two fronts by rounding alone meets both: 16 units in the
+/// last place (2^-24). A corner's own rounding takes up to 2 of them, that of its difference from the eye 2
+/// to 7, and the products make that 10 to 30 if all err the same way from one end of a scene to the
+/// other; a quarter of what is taken sufficed wherever measured. More would hide more of what is
+/// behind: the sky in an opening is seen smaller by this on all sides.
+pub const FRONT_FACE_OUTSET: f32 = 16.0 / 16_777_216.0;
+
+/// How much farther outwards edges are moved in what is rasterised, pixels: covers two corners that are
+/// each rounded to 1/16 of a pixel, the coarsest that Vulkan allows (most have 1/256). What is covered in
+/// vain is cut off pixel by pixel.
+pub const RASTERISED_OUTSET: f32 = 1.0 / 16.0;
+
+/// The least factor by which moving edges outwards may change the determinant of their vectors. In
+/// front of the eye it grows; where it shrinks further, edges cross behind the eye, or nearly. That happens
+/// to slivers only, which are then sought in the whole picture.
+pub const MIN_GROWTH: f32 = 0.5;
 
 /// Threads of a workgroup: the most that every adapter offers.
 pub const WORKGROUP_SIZE: u32 = 256;
@@ -166,11 +179,13 @@ fn with_constants(wgsl: &str) -> String {
         .map(|(name, value)| format!("const {name}: u32 = {value}u;\n"))
         .chain([
             format!("const BACK_FACE_RETREAT: f32 = {BACK_FACE_RETREAT:?}f;\n"),
+            format!("const MIN_GROWTH: f32 = {MIN_GROWTH:?}f;\n"),
+            format!("const FRONT_FACE_OUTSET: f32 = {FRONT_FACE_OUTSET:?}f;\n"),
+            format!("const RASTERISED_OUTSET: f32 = {RASTERISED_OUTSET:?}f;\n"),
             format!(
                 "const COORDINATE_ULPS: f32 = {:?}f;\n",
                 COORDINATE_ULPS as f32
             ),
-            format!("const BACK_FACE_MARGIN: f32 = {BACK_FACE_MARGIN:?}f;\n"),
             wgsl.into(),
         ])
         .collect()

@@ -3,6 +3,7 @@
 //! Without an adapter every test that needs one prints that it is skipped; with `REQUIRE_GPU=1` it
 //! fails.
 
+mod closure;
 mod model;
 mod rows;
 mod twins;
