@@ -36,7 +36,7 @@ fn patches(scene: &Scene) -> Vec<PatchId> {
         .collect()
 }
 
-fn hemicubes(scene: &Scene) -> Arc<Hemicubes<'_>> {
+fn one_a_patch(scene: &Scene) -> Arc<Hemicubes<'_>> {
     let settings = FormFactorSettings {
         resolution: RESOLUTION,
         maps: Maps::Exact,
@@ -49,7 +49,7 @@ fn hemicubes(scene: &Scene) -> Arc<Hemicubes<'_>> {
 fn item_buffers(c: &mut Criterion, name: &str, scenes: &[Scene]) {
     let mut group = c.benchmark_group(format!("item_buffer_{HEMICUBES}x/{name}"));
     for scene in scenes {
-        let hemicubes = hemicubes(scene);
+        let hemicubes = one_a_patch(scene);
         let mut drawer = HemicubeDrawer::new(scene, RESOLUTION);
         let patches = patches(scene);
         group.bench_function(BenchmarkId::from_parameter(scene.patch_count()), |b| {
@@ -68,7 +68,8 @@ fn item_buffers(c: &mut Criterion, name: &str, scenes: &[Scene]) {
 fn rows(c: &mut Criterion, name: &str, scenes: &[Scene]) {
     let mut group = c.benchmark_group(format!("row_{HEMICUBES}x/{name}"));
     for scene in scenes {
-        let mut drawer = RowDrawer::new(&hemicubes(scene));
+        let hemicubes = one_a_patch(scene);
+        let mut drawer = RowDrawer::new(&hemicubes);
         let patches = patches(scene);
         group.bench_function(BenchmarkId::from_parameter(scene.patch_count()), |b| {
             b.iter(|| {

@@ -43,6 +43,8 @@ pub enum Cull {
 pub(super) struct Projected {
     /// e_k(d) = edges[k] . d; at least 0 inside, k-th barycentric coordinate up to a factor.
     pub edges: [DVec3; 3],
+    /// How far below 0 each e_k may be inside, for directions d no longer than sqrt(3).
+    pub margins: [f64; 3],
     /// 1/w = inverse_depth . d, 1/m.
     pub inverse_depth: DVec3,
     /// Relative to the eye, metres.
@@ -149,6 +151,11 @@ impl Projection {
             let tree = scene.mesh().tree(id);
             self.surfaces.push(Projected {
                 edges,
+                margins: if is_back_face {
+                    [0.0; 3]
+                } else {
+                    margins(surface, [q0, q1, q2])
+                },
                 inverse_depth: if is_back_face {
                     BACK_FACE_RETREAT * normal
                 } else {
@@ -162,6 +169,17 @@ impl Projection {
             });
         }
     }
+}
+
+/// Margins of a front, so that a ray between surfaces whose common corners are the same but for rounding
+/// meets one of them. A corner that is off by s moves an edge's plane q_i x q_j by s times the other
+/// corner's length at most; no ray through a hemicube's pixel is longer than sqrt(3).
+fn margins(surface: &Surface, corners: [DVec3; 3]) -> [f64; 3] {
+    let off = surface
+        .corners
+        .map(|p| 3.0_f64.sqrt() * COORDINATE_ULPS * f64::from(p.abs().max_element()));
+    let lengths = corners.map(DVec3::length);
+    [(1, 2), (2, 0), (0, 1)].map(|(i, j)| off[i] * lengths[j] + off[j] * lengths[i])
 }
 
 /// A value that is linear over a window's pixels: its coefficients of i, of j and of 1.

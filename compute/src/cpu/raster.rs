@@ -157,15 +157,16 @@ struct Crossings {
 }
 
 impl Crossings {
-    /// e_k at the centre of pixel (i, j) is a i + b j + c; edges are moved outwards by `outset` pixels.
+    /// e_k at the centre of pixel (i, j) is a i + b j + c; edges are where it is -`margins`, moved outwards by
+    /// `outset` pixels.
     #[inline(always)]
-    fn new(edges: &[OverPixels; 3], outset: f64) -> Self {
+    fn new(edges: &[OverPixels; 3], margins: &[f64; 3], outset: f64) -> Self {
         let mut crossings = Self {
             low: [(f64::NEG_INFINITY, 0.0); 3],
             high: [(f64::INFINITY, 0.0); 3],
         };
         for (k, &[a, b, c]) in edges.iter().enumerate() {
-            let c = c + outset * (a.abs() + b.abs());
+            let c = c + margins[k] + outset * (a.abs() + b.abs());
             // An edge along the rows crosses them far to the left or far to the right.
             let a = if a == 0.0 {
                 1e-100 * (b.abs() + c.abs())
@@ -253,7 +254,7 @@ fn draw<S: Simd>(
         } else {
             FRONT_FACE_OUTSET
         };
-        let crossings = Crossings::new(&edges[index], outset);
+        let crossings = Crossings::new(&edges[index], &seen.margins, outset);
         let [depth_i, depth_j, depth_1] = over_pixels(seen.inverse_depth, window);
         for j in first_row..end_row {
             let (first, end) = crossings.span(j, window.width);

@@ -139,11 +139,11 @@ impl<'a> Surroundings<'a> {
         // Areas are halved, so radii fall by sqrt(2).
         let least = (2.0 * (radius / (GAPS * gap)).log2()).ceil().max(0.0) as u32;
         let least = least.min(MOST_BISECTIONS);
-        let means = |bisections| self.means(Rule::ThreePoint { bisections }, corners, &near);
-        let mut finer = [means(least), means(least + 1)];
+        let means_of = |bisections| means(Rule::ThreePoint { bisections }, corners, &near);
+        let mut finer = [means_of(least), means_of(least + 1)];
         for bisections in least..MOST_BISECTIONS {
             let [here, next] = &finer;
-            let after_next = means(bisections + 2);
+            let after_next = means_of(bisections + 2);
             if is_settled(here, next) && is_settled(here, &after_next) {
                 return Rule::ThreePoint { bisections };
             }
@@ -185,20 +185,20 @@ impl<'a> Surroundings<'a> {
             .is_emitter();
         (emits || counts(DVec3::ZERO) || points.iter().copied().any(counts)).then_some(neighbour)
     }
+}
 
-    /// Mean unhidden form factors over a patch, one per neighbour.
-    fn means(&self, rule: Rule, corners: [DVec3; 3], near: &[Neighbour]) -> Vec<f64> {
-        let points = rule.points(corners);
-        near.iter()
-            .map(|neighbour| {
-                let sum: f64 = points
-                    .iter()
-                    .map(|&point| neighbour.form_factor(point))
-                    .sum();
-                sum / points.len() as f64
-            })
-            .collect()
-    }
+/// Mean unhidden form factors over a patch, one per neighbour.
+fn means(rule: Rule, corners: [DVec3; 3], near: &[Neighbour]) -> Vec<f64> {
+    let points = rule.points(corners);
+    near.iter()
+        .map(|neighbour| {
+            let sum: f64 = points
+                .iter()
+                .map(|&point| neighbour.form_factor(point))
+                .sum();
+            sum / points.len() as f64
+        })
+        .collect()
 }
 
 /// True where what a finer rule gives differs little in sum.
@@ -241,9 +241,9 @@ fn distance_to_triangle(point: DVec3, corners: [DVec3; 3]) -> f64 {
         .map(|k| {
             let (p, q) = (corners[k], corners[(k + 1) % 3]);
             let edge = q - p;
-            let along = (point - p).dot(edge) / edge.length_squared();
-            // A NaN, of an edge without length, becomes 0.
-            point.distance(p + along.max(0.0).min(1.0) * edge)
+            // An edge without length divides by something all the same.
+            let along = (point - p).dot(edge) / edge.length_squared().max(f64::MIN_POSITIVE);
+            point.distance(p + along.clamp(0.0, 1.0) * edge)
         })
         .fold(f64::INFINITY, f64::min)
 }

@@ -90,7 +90,7 @@ impl<'a> LampViewer<'a> {
     /// The lamps that matter to a patch.
     fn choose(&self, own: SurfaceId, frames: &[Frame]) -> Vec<Choice> {
         // Unhidden light, number, and for each point the lamp's polygons.
-        let mut possible: Vec<(f64, usize, Vec<Vec<Vec<DVec3>>>)> = Vec::new();
+        let mut possible: Vec<(f64, usize, Vec<Polygons>)> = Vec::new();
         let mut total = 0.0;
         for (index, lamp) in self.lamps.iter().enumerate() {
             if lamp.surfaces.binary_search(&own).is_ok() {
@@ -129,7 +129,7 @@ impl<'a> LampViewer<'a> {
 
     /// What a point can see of a lamp if nothing hides it: the parts above the horizon of the surfaces whose
     /// fronts it sees, in the frame and relative to its eye.
-    fn polygons(&self, frame: &Frame, lamp: &Lamp) -> Vec<Vec<DVec3>> {
+    fn polygons(&self, frame: &Frame, lamp: &Lamp) -> Polygons {
         lamp.surfaces
             .iter()
             .map(|&id| self.scene.surface(id))
@@ -250,6 +250,9 @@ impl<'a> LampViewer<'a> {
         true
     }
 }
+
+/// Plane polygons in a frame, relative to its eye, metres.
+type Polygons = Vec<Vec<DVec3>>;
 
 /// A lamp that matters, and its pieces as each point of the patch sees them.
 struct Choice {

@@ -58,7 +58,7 @@ pub(super) fn errors(
         header.extend(POINTS.iter().map(|(points, _)| points.to_string()));
         row(text, &header.iter().map(String::as_str).collect::<Vec<_>>());
         line(text, &format!("|--:|{}", "--:|".repeat(POINTS.len())));
-        let mut plot = format!("           {SCALE}\n");
+        let mut plot = format!("            {SCALE}\n");
         for &resolution in resolutions(case) {
             let mut cells = vec![resolution.to_string()];
             let mut found = Vec::new();
@@ -77,7 +77,10 @@ pub(super) fn errors(
                 found.push((measured, mark));
             }
             row(text, &cells.iter().map(String::as_str).collect::<Vec<_>>());
-            plot.push_str(&format!("{resolution:4} pixels {}\n", plotted(&found)));
+            line(
+                &mut plot,
+                &format!("{resolution:4} pixels {}", plotted(&found)),
+            );
         }
         line(text, &format!("\n```text\n{plot}```"));
     }
