@@ -13,7 +13,7 @@
 //! sides share, as in a symmetric scene, do not show.
 //!
 //! The backs of surfaces are black. A patch that sees one loses power to a leak or to wrong winding.
-//! Patches that no other patch sees (the floor below a box, the bottom of the box) have no part in
+//! Patches that no other patch sees, but by chance (the floor below a box, the bottom of the box) have no part in
 //! the exchange, whatever they see; they are left out of the shares of openings and of back faces.
 //!
 //! # Practice
@@ -27,6 +27,7 @@ use scene::{PatchId, Scene};
 use serde::Serialize;
 
 use crate::row_cache::RowCache;
+use crate::rows::UNITS_PER_ONE;
 use culprit::{Loss, culprit};
 
 pub use received::Received;
@@ -49,6 +50,10 @@ pub const BACK_FACE_SHARE_TOLERANCE: f64 = 1e-3;
 /// what is not converged and what is not reciprocal shows here, and neither may move the scene's mean
 /// radiosity by more than a percent.
 pub const IMBALANCE_TOLERANCE: f64 = 0.01;
+
+/// A patch of which others see less than this share of what it sees itself is seen by chance: by rays that
+/// meet a common edge of what hides it, which belongs to all that share it.
+const SEEN_BY_CHANCE: f64 = 1e-3;
 
 /// The most by which a patch's form factors and what it sees of openings and backs may miss 1, together,
 /// dimensionless. They are integers that do not miss it at all; this leaves room for rounding them a
@@ -124,12 +129,15 @@ pub fn certify(rows: &RowCache, imbalance: Option<f64>, residual: Option<f64>) -
     let areas = scene.patch_areas();
     let rows_drawn = rows.unseen().iter().flatten().count() as u32;
     let all_drawn = rows_drawn == scene.patch_count();
-    let hidden = (0..areas.len())
-        .filter(|&j| !rows.received().is_seen(j))
-        .count() as u32;
+    let is_seen = |j: usize| {
+        let back_face = rows.unseen()[j].map_or(0.0, |unseen| f64::from(unseen.back_face));
+        let sees = rows.received().row_sum(j) + back_face / f64::from(UNITS_PER_ONE);
+        rows.received().area(j) > SEEN_BY_CHANCE * areas[j] * sees
+    };
+    let hidden = (0..areas.len()).filter(|&j| !is_seen(j)).count() as u32;
     // Where nobody sees anybody, as around a solid, there is no exchange to be left out of.
     let leave_out_hidden = all_drawn && hidden < scene.patch_count();
-    let counts = |j: usize| !leave_out_hidden || rows.received().is_seen(j);
+    let counts = |j: usize| !leave_out_hidden || is_seen(j);
 
     let mean_share = |loss| {
         let (mut lost, mut whole) = (0.0, 0.0);
@@ -181,7 +189,6 @@ pub fn certify(rows: &RowCache, imbalance: Option<f64>, residual: Option<f64>) -
 
 /// The share of its hemisphere that each patch loses, of those whose row was drawn.
 fn shares(rows: &RowCache, loss: Loss) -> impl Iterator<Item = (usize, f64)> {
-    let units_per_one = f64::from(rows.units_per_one());
     rows.unseen()
         .iter()
         .enumerate()
@@ -191,7 +198,7 @@ fn shares(rows: &RowCache, loss: Loss) -> impl Iterator<Item = (usize, f64)> {
                 Loss::Opening => unseen.open,
                 Loss::BackFaces => unseen.back_face,
             };
-            Some((j, f64::from(units) / units_per_one))
+            Some((j, f64::from(units) / f64::from(UNITS_PER_ONE)))
         })
 }
 
@@ -217,10 +224,11 @@ fn reciprocity(scene: &Scene, areas: &[f64], rows: &RowCache) -> Reciprocity {
         let sent = area * rows.received().row_sum(j);
         let received = rows.received().area(j);
         let larger = sent.max(received);
-        let difference = if larger > 0.0 {
-            (received - sent) / larger
-        } else {
+        let by_chance = sent == 0.0 && received <= SEEN_BY_CHANCE * area;
+        let difference = if by_chance {
             0.0
+        } else {
+            (received - sent) / larger
         };
         squares += area * difference * difference;
         whole += area;

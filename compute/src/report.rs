@@ -15,6 +15,7 @@ use serde::Serialize;
 use crate::certificate::Certificate;
 use crate::quantity::{show_duration, show_size};
 use crate::row_cache::RowCache;
+use crate::rows::UNITS_PER_ONE;
 use crate::settings::{LampViews, Maps, Settings, SolverChoice};
 use crate::solver::convergence::Convergence;
 
@@ -199,7 +200,6 @@ pub fn measure(
     let areas = scene.patch_areas();
     let reflectance = scene.patch_reflectances();
     let radiosity = solution.radiosity(scene);
-    let units_per_one = f64::from(rows.units_per_one());
     let [mut absorbed, mut lost, mut back] = [DVec3::ZERO; 3];
     let (mut sum_min, mut sum_max) = (f64::INFINITY, f64::NEG_INFINITY);
     let (mut sum_area, mut back_area, mut drawn_area) = (0.0, 0.0, 0.0);
@@ -211,8 +211,8 @@ pub fn measure(
             all_drawn = false;
             continue;
         };
-        let open = f64::from(unseen.open) / units_per_one;
-        let back_face = f64::from(unseen.back_face) / units_per_one;
+        let open = f64::from(unseen.open) / f64::from(UNITS_PER_ONE);
+        let back_face = f64::from(unseen.back_face) / f64::from(UNITS_PER_ONE);
         let leaving = area * radiosity[i].as_dvec3();
         lost += open * leaving;
         back += back_face * leaving;

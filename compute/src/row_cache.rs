@@ -10,7 +10,7 @@ use scene::PatchId;
 use crate::certificate::Received;
 use crate::hemicubes::Hemicubes;
 use crate::interrupt;
-use crate::rows::{BackendError, Entry, RowBatch, RowSource, UNITS_PER_ONE, Unseen};
+use crate::rows::{BackendError, Entry, RowBatch, RowSource, Unseen};
 
 /// All rows of a scene, as far as anybody asks for them.
 pub struct RowCache<'a> {
@@ -66,11 +66,6 @@ impl<'a> RowCache<'a> {
     /// The hemicubes that the rows come from.
     pub fn hemicubes(&self) -> &Hemicubes<'a> {
         &self.hemicubes
-    }
-
-    /// Units of a form factor of 1.
-    pub fn units_per_one(&self) -> u32 {
-        UNITS_PER_ONE
     }
 
     /// What the back end calls itself.

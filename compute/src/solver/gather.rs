@@ -19,7 +19,7 @@ use scene::{Provenance, Rgb, Solution, Unfinished};
 use super::{Solver, Step};
 use crate::problem::Problem;
 use crate::row_cache::RowCache;
-use crate::rows::{BackendError, Entry};
+use crate::rows::{BackendError, Entry, UNITS_PER_ONE};
 
 /// When a patch's new radiosity is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -96,17 +96,16 @@ impl Gather {
 }
 
 /// H_i = sum_j F_ij B_j of one row, W/m^2.
-fn gather(row: &[Entry], radiosity: &[Rgb], units_per_one: u32) -> Rgb {
+fn gather(row: &[Entry], radiosity: &[Rgb]) -> Rgb {
     let sum: DVec3 = row
         .iter()
         .map(|entry| f64::from(entry.units) * radiosity[entry.patch as usize].as_dvec3())
         .sum();
-    (sum / f64::from(units_per_one)).as_vec3()
+    (sum / f64::from(UNITS_PER_ONE)).as_vec3()
 }
 
 impl Solver for Gather {
     fn step(&mut self, rows: &mut RowCache) -> Result<Step, BackendError> {
-        let units_per_one = rows.units_per_one();
         let first = self.next.len();
         let batch = rows.batch_with(first as u32)?;
         let range = batch.patches();
@@ -116,15 +115,12 @@ impl Solver for Gather {
         match self.update {
             Update::AfterIteration => {
                 let radiosity = &self.radiosity;
-                self.next.par_extend(
-                    in_batch
-                        .into_par_iter()
-                        .map(|k| gather(row(k), radiosity, units_per_one)),
-                );
+                self.next
+                    .par_extend(in_batch.into_par_iter().map(|k| gather(row(k), radiosity)));
             }
             Update::AtOnce => {
                 for k in in_batch {
-                    let irradiance = gather(row(k), &self.radiosity, units_per_one);
+                    let irradiance = gather(row(k), &self.radiosity);
                     let patch = self.next.len();
                     self.radiosity[patch] = self.problem.radiosity(patch, irradiance);
                     self.next.push(irradiance);

@@ -20,7 +20,7 @@ use scene::{Provenance, Rgb, Solution};
 use super::{Solver, Step};
 use crate::problem::Problem;
 use crate::row_cache::RowCache;
-use crate::rows::{BackendError, Entry};
+use crate::rows::{BackendError, Entry, UNITS_PER_ONE};
 
 /// A shooting solver.
 #[derive(Debug)]
@@ -70,8 +70,8 @@ impl Shoot {
 
     /// Adds what all patches receive from `shooter`, whose row is given, to their irradiances, and
     /// what they reflect of it to their unshot radiosities.
-    fn shoot(&mut self, shooter: usize, radiosity: Rgb, row: &[Entry], units_per_one: u32) {
-        let from = radiosity.as_dvec3() * self.problem.areas[shooter] / f64::from(units_per_one);
+    fn shoot(&mut self, shooter: usize, radiosity: Rgb, row: &[Entry]) {
+        let from = radiosity.as_dvec3() * self.problem.areas[shooter] / f64::from(UNITS_PER_ONE);
         for entry in row {
             let j = entry.patch as usize;
             let received = (f64::from(entry.units) / self.problem.areas[j] * from).as_vec3();
@@ -86,7 +86,6 @@ impl Shoot {
         mut takeover: Takeover,
         rows: &mut RowCache,
     ) -> Result<Step, BackendError> {
-        let units_per_one = rows.units_per_one();
         let count = self.problem.patch_count();
         let batch = rows.batch_with(takeover.next as u32)?;
         let range = batch.patches();
@@ -94,12 +93,7 @@ impl Shoot {
             let radiosity = self
                 .problem
                 .radiosity(patch, takeover.start.irradiance[patch]);
-            self.shoot(
-                patch,
-                radiosity,
-                batch.row(patch - range.start as usize),
-                units_per_one,
-            );
+            self.shoot(patch, radiosity, batch.row(patch - range.start as usize));
         }
         takeover.next = range.end as usize;
         let share_done = takeover.next as f64 / count as f64;
@@ -128,7 +122,6 @@ impl Solver for Shoot {
         if let Some(takeover) = self.takeover.take() {
             return self.step_takeover(takeover, rows);
         }
-        let units_per_one = rows.units_per_one();
         let (mut shooter, mut most) = (0, 0.0);
         for (i, &unshot) in self.unshot.iter().enumerate() {
             let power = power(&self.problem, i, unshot);
@@ -139,7 +132,7 @@ impl Solver for Shoot {
         let batch = rows.batch_with(shooter as u32)?;
         let row = batch.row(shooter - batch.patches().start as usize);
         let radiosity = std::mem::take(&mut self.unshot[shooter]);
-        self.shoot(shooter, radiosity, row, units_per_one);
+        self.shoot(shooter, radiosity, row);
 
         let unshot_power: f64 = self
             .unshot

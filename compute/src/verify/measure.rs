@@ -11,7 +11,7 @@ use crate::hemicubes::Hemicubes;
 use crate::lamps::with_lamps;
 use crate::problem::Problem;
 use crate::row_cache::RowCache;
-use crate::rows::Entry;
+use crate::rows::{Entry, UNITS_PER_ONE};
 use crate::settings::{BackendChoice, SolverChoice};
 use crate::solver::{Gather, Shoot, Solver, Update};
 
@@ -169,7 +169,7 @@ impl Bench<'_> {
                 area += areas[i as usize];
             })?;
         }
-        Ok(weighted / area / f64::from(self.rows.units_per_one()))
+        Ok(weighted / area / f64::from(UNITS_PER_ONE))
     }
 
     /// Mean irradiance of an object after one iteration, first channel, W/m^2.
@@ -191,11 +191,10 @@ impl Bench<'_> {
 
     /// One per patch, dimensionless.
     fn row_sums(&mut self) -> Result<Vec<f64>, VerifyError> {
-        let units_per_one = f64::from(self.rows.units_per_one());
         let mut sums = Vec::new();
         self.each_row(0..self.scene.patch_count(), |_, row| {
             let units: f64 = row.iter().map(|entry| f64::from(entry.units)).sum();
-            sums.push(units / units_per_one);
+            sums.push(units / f64::from(UNITS_PER_ONE));
         })?;
         Ok(sums)
     }
@@ -237,11 +236,13 @@ impl Bench<'_> {
         let n = problem.patch_count();
         // What patch i gathers from patch j, dimensionless.
         let mut gathered = vec![vec![0.0; n]; n];
-        let units_per_one = f64::from(self.rows.units_per_one());
         self.each_row(0..n as u32, |i, row| {
             let i = i as usize;
             for entry in row {
-                let (j, factor) = (entry.patch as usize, f64::from(entry.units) / units_per_one);
+                let (j, factor) = (
+                    entry.patch as usize,
+                    f64::from(entry.units) / f64::from(UNITS_PER_ONE),
+                );
                 if choice == SolverChoice::Shooting {
                     gathered[j][i] = factor * problem.areas[i] / problem.areas[j];
                 } else {

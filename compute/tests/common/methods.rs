@@ -6,6 +6,7 @@ use compute::cpu::CpuRows;
 use compute::hemicubes::Hemicubes;
 use compute::problem::Problem;
 use compute::row_cache::RowCache;
+use compute::rows::UNITS_PER_ONE;
 use compute::settings::{FormFactorSettings, Maps, Points, Turns};
 use compute::solver::{Gather, Shoot, Solver, Update};
 use glam::DVec3;
@@ -80,13 +81,12 @@ pub fn solved(method: Method, scene: &Scene, residual: f64) -> Solution {
 pub fn form_factors(scene: &Scene) -> Vec<Vec<f64>> {
     let mut rows = rows(scene, u64::MAX);
     let count = scene.patch_count() as usize;
-    let units_per_one = f64::from(rows.units_per_one());
     (0..count)
         .map(|i| {
             let batch = rows.batch_with(i as u32).unwrap();
             let mut row = vec![0.0; count];
             for entry in batch.row(i - batch.patches().start as usize) {
-                row[entry.patch as usize] = f64::from(entry.units) / units_per_one;
+                row[entry.patch as usize] = f64::from(entry.units) / f64::from(UNITS_PER_ONE);
             }
             row
         })
