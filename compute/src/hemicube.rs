@@ -62,6 +62,12 @@ impl Frame {
         }
     }
 
+    /// A vector of this frame in the scene's axes.
+    #[inline]
+    pub fn to_scene(&self, vector: DVec3) -> DVec3 {
+        vector.x * self.tangent + vector.y * self.bitangent + vector.z * self.normal
+    }
+
     /// A point in this frame: along tangent, bitangent and normal, metres.
     #[inline]
     pub fn to_local(&self, point: DVec3) -> DVec3 {

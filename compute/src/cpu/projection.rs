@@ -154,7 +154,7 @@ impl Projection {
                 margins: if is_back_face {
                     [0.0; 3]
                 } else {
-                    margins(surface, [q0, q1, q2])
+                    margins(surface, frame, [q0, q1, q2], &edges)
                 },
                 inverse_depth: if is_back_face {
                     BACK_FACE_RETREAT * normal
@@ -172,14 +172,17 @@ impl Projection {
 }
 
 /// Margins of a front, so that a ray between surfaces whose common corners are the same but for rounding
-/// meets one of them. A corner that is off by s moves an edge's plane q_i x q_j by s times the other
-/// corner's length at most; no ray through a hemicube's pixel is longer than sqrt(3).
-fn margins(surface: &Surface, corners: [DVec3; 3]) -> [f64; 3] {
-    let off = surface
-        .corners
-        .map(|p| 3.0_f64.sqrt() * COORDINATE_ULPS * f64::from(p.abs().max_element()));
+/// meets one of them. A corner that is off by s across an edge's plane q_i x q_j moves that plane by s times
+/// the other corner's length at most; no ray through a hemicube's pixel is longer than sqrt(3).
+fn margins(surface: &Surface, frame: &Frame, corners: [DVec3; 3], edges: &[DVec3; 3]) -> [f64; 3] {
+    let ray = 3.0_f64.sqrt();
     let lengths = corners.map(DVec3::length);
-    [(1, 2), (2, 0), (0, 1)].map(|(i, j)| off[i] * lengths[j] + off[j] * lengths[i])
+    let reaches = surface.corners.map(|p| p.abs().as_dvec3());
+    [(0, 1, 2), (1, 2, 0), (2, 0, 1)].map(|(k, i, j)| {
+        let across = frame.to_scene(edges[k].normalize_or_zero()).abs();
+        let off = |i: usize| COORDINATE_ULPS * across.dot(reaches[i]);
+        ray * (off(i) * lengths[j] + off(j) * lengths[i])
+    })
 }
 
 /// A value that is linear over a window's pixels: its coefficients of i, of j and of 1.

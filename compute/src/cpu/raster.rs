@@ -22,6 +22,10 @@ use crate::hemicube::Window;
 /// rounding of a crossing, 2^-53 times some thousands of pixels, and far below a pixel.
 const FRONT_FACE_OUTSET: f64 = 1e-9;
 
+/// The most that margins for rounded corners may move an edge, in pixels: what is so far away that its own
+/// coordinates are less certain than that is not to grow by it.
+const MOST_MARGIN: f64 = 1.0 / 256.0;
+
 /// What a pixel sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sample {
@@ -166,7 +170,9 @@ impl Crossings {
             high: [(f64::INFINITY, 0.0); 3],
         };
         for (k, &[a, b, c]) in edges.iter().enumerate() {
-            let c = c + margins[k] + outset * (a.abs() + b.abs());
+            // By how much e_k changes from one pixel to the next.
+            let step = a.abs() + b.abs();
+            let c = c + margins[k].min(MOST_MARGIN * step) + outset * step;
             // An edge along the rows crosses them far to the left or far to the right.
             let a = if a == 0.0 {
                 1e-100 * (b.abs() + c.abs())

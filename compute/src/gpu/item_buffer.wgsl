@@ -68,10 +68,26 @@ fn in_face(vector: vec3f, face: Face) -> vec3f {
     return vec3f(dot(vector, face.right), dot(vector, face.up), dot(vector, face.forward));
 }
 
-// Largest magnitude of the coordinates of a corner and of the eye, metres.
-fn largest_coordinate(corner: vec3f, face: Face) -> f32 {
-    let largest = max(abs(corner), abs(face.eye_high));
-    return max(max(largest.x, largest.y), largest.z);
+// How far a corner may be off across an edge's plane, relative to the outset: the magnitudes of its
+// coordinates and of the eye's, along the plane's unit normal, metres.
+fn off_across(corner: vec3f, normal: vec3f, face: Face) -> f32 {
+    return dot(max(abs(corner), abs(face.eye_high)), abs(normal));
+}
+
+// How far below 0 an e_k may be for a corner's rounding: off by d across the edge's plane, it moves the plane
+// q_i x q_j by d times the other corner's length at most, and no ray through a picture is longer than
+// sqrt(3). Besides, products round the plane itself.
+fn margin(edge: vec3f, q_i: vec3f, q_j: vec3f, corner_i: vec3f, corner_j: vec3f, face: Face) -> f32 {
+    let squared = dot(edge, edge);
+    if squared == 0.0 {
+        return 0.0;
+    }
+    let normal = edge * inverseSqrt(squared);
+    let off_i = off_across(corner_i, normal, face);
+    let off_j = off_across(corner_j, normal, face);
+    let product = min(length(q_i), length(q_j)) * length(corner_j - corner_i);
+    return sqrt(3.0) * (FRONT_FACE_OUTSET * (off_i * length(q_j) + off_j * length(q_i))
+        + PRODUCT_ULPS * product);
 }
 
 // The normal of the plane through the eye and an edge, q_i x q_j, from the nearer corner, with less to
@@ -111,9 +127,12 @@ fn project(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance
     let is_back_face = determinant > 0.0;
     seen.is_back_face = u32(is_back_face);
     let inside = select(-1.0, 1.0, is_back_face);
-    seen.edge_0 = in_face(inside * edge(q_1, q_2, surface.corner_2 - surface.corner_1), face);
-    seen.edge_1 = in_face(inside * edge(q_2, q_0, surface.corner_0 - surface.corner_2), face);
-    seen.edge_2 = in_face(inside * edge(q_0, q_1, surface.corner_1 - surface.corner_0), face);
+    let edge_0 = inside * edge(q_1, q_2, surface.corner_2 - surface.corner_1);
+    let edge_1 = inside * edge(q_2, q_0, surface.corner_0 - surface.corner_2);
+    let edge_2 = inside * edge(q_0, q_1, surface.corner_1 - surface.corner_0);
+    seen.edge_0 = in_face(edge_0, face);
+    seen.edge_1 = in_face(edge_1, face);
+    seen.edge_2 = in_face(edge_2, face);
     seen.origin = vec3f(face.origin_x, face.origin_y, face.bottom);
     seen.first_patch = surface.first_patch;
     seen.depth = surface.depth;
@@ -123,24 +142,21 @@ fn project(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance
     let near = settings.near * select(1.0, BACK_FACE_RETREAT, is_back_face);
     seen.inverse_depth = in_face(normal, face) / determinant * near;
 
-    // A corner that is off by d moves an edge's plane q_i x q_j by d times the other corner's length
-    // at most, and no ray through a picture is longer than sqrt(3).
-    let lengths = vec3f(length(q_0), length(q_1), length(q_2));
-    let outset = select(sqrt(3.0) * FRONT_FACE_OUTSET, 0.0, is_back_face);
-    let off = outset * vec3f(
-        largest_coordinate(surface.corner_0, face),
-        largest_coordinate(surface.corner_1, face),
-        largest_coordinate(surface.corner_2, face),
-    );
-    seen.margins = off.yzx * lengths.zxy + off.zxy * lengths.yzx;
-
-    // What is rasterised has its edges farther outwards: wherever its corners are then rounded to, it
-    // has all pixels that are seen. By u_k, as barycentric coordinates of a point at w = 1.
+    // By how much each e_k changes from one pixel to the next.
     let edge_per_pixel = settings.pixel * vec3f(
         dot(abs(seen.edge_0.xy), vec2f(1.0)),
         dot(abs(seen.edge_1.xy), vec2f(1.0)),
         dot(abs(seen.edge_2.xy), vec2f(1.0)),
     );
+    let margins = vec3f(
+        margin(edge_0, q_1, q_2, surface.corner_1, surface.corner_2, face),
+        margin(edge_1, q_2, q_0, surface.corner_2, surface.corner_0, face),
+        margin(edge_2, q_0, q_1, surface.corner_0, surface.corner_1, face),
+    );
+    seen.margins = select(min(margins, MOST_MARGIN * edge_per_pixel), vec3f(0.0), is_back_face);
+
+    // What is rasterised has its edges farther outwards: wherever its corners are then rounded to, it
+    // has all pixels that are seen. By u_k, as barycentric coordinates of a point at w = 1.
     let u = (seen.margins + RASTERISED_OUTSET * edge_per_pixel) / abs(determinant);
     let corners = array(in_face(q_0, face), in_face(q_1, face), in_face(q_2, face));
     let k = vertex % 3u;

@@ -21,13 +21,22 @@ pub const ALPHA_PATCH: u8 = 255;
 /// distance is not reported.
 pub const BACK_FACE_RETREAT: f32 = 1.0 - 1.0 / 4096.0;
 
-/// How far outwards the edges of fronts are moved, relative to the largest coordinate of a corner and of the
-/// eye, so that a ray that passes between two fronts by rounding alone meets both: 16 units in the
+/// How far outwards the edges of fronts are moved, relative to the coordinates of a corner and of the eye
+/// along the normal of the edge's plane, so that a ray that passes between two fronts by rounding alone meets
+/// both: 16 units in the
 /// last place (2^-24). A corner's own rounding takes up to 2 of them, that of its difference from the eye 2
 /// to 7, and the products make that 10 to 30 if all err the same way from one end of a scene to the
 /// other; a quarter of what is taken sufficed wherever measured. More would hide more of what is
 /// behind: the sky in an opening is seen smaller by this on all sides.
 pub const FRONT_FACE_OUTSET: f32 = 16.0 / 16_777_216.0;
+
+/// The same for the rounding of an edge's plane q_i x q_j, relative to the factors' lengths: a unit in the
+/// last place for each product, and one for their difference.
+pub const PRODUCT_ULPS: f32 = 2.0 / 16_777_216.0;
+
+/// The most that both together may move an edge, in pixels: what is so far away that its own coordinates
+/// are less certain than that is not to grow by it.
+pub const MOST_MARGIN: f32 = 1.0 / 256.0;
 
 /// How much farther outwards edges are moved in what is rasterised, pixels: covers two corners that are
 /// each rounded to 1/16 of a pixel, the coarsest that Vulkan allows (most have 1/256). What is covered in
@@ -181,6 +190,8 @@ fn with_constants(wgsl: &str) -> String {
             format!("const BACK_FACE_RETREAT: f32 = {BACK_FACE_RETREAT:?}f;\n"),
             format!("const MIN_GROWTH: f32 = {MIN_GROWTH:?}f;\n"),
             format!("const FRONT_FACE_OUTSET: f32 = {FRONT_FACE_OUTSET:?}f;\n"),
+            format!("const PRODUCT_ULPS: f32 = {PRODUCT_ULPS:?}f;\n"),
+            format!("const MOST_MARGIN: f32 = {MOST_MARGIN:?}f;\n"),
             format!("const RASTERISED_OUTSET: f32 = {RASTERISED_OUTSET:?}f;\n"),
             format!(
                 "const COORDINATE_ULPS: f32 = {:?}f;\n",

@@ -28,7 +28,7 @@ impl Cone {
         let cos = 1.0 / (1.0 + tan * tan).sqrt();
         Self {
             apex: frame.position,
-            axis: axis.x * frame.tangent + axis.y * frame.bitangent + axis.z * frame.normal,
+            axis: frame.to_scene(axis),
             sin: tan * cos,
             cos,
             reach,
