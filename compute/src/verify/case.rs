@@ -52,6 +52,8 @@ pub enum Measure {
     Radiosity,
     /// How far the reflected radiosities are from a reference's, dimensionless.
     Reflected {
+        /// Name of the scene, which several cases share.
+        room: &'static str,
         /// Irradiance, W/m^2, one per patch.
         reference: Vec<scene::Rgb>,
         /// What is made of the departures.

@@ -51,23 +51,47 @@ const FURNACE_RESIDUAL: f64 = 1e-6;
 /// Far more than any case needs; a solver that does not get there is reported by its error.
 const MOST_ITERATIONS: u64 = 100_000;
 
+/// Irradiances of rooms that were solved before, W/m^2: a room has several cases.
+#[derive(Debug, Default)]
+pub struct Solved(Vec<(SolvedRoom, Vec<Rgb>)>);
+
+/// A room, and how it was solved.
+type SolvedRoom = (&'static str, Accuracy, BackendChoice);
+
+impl Solved {
+    fn get_or_solve(
+        &mut self,
+        key: SolvedRoom,
+        solve: impl FnOnce() -> Result<Solution, VerifyError>,
+    ) -> Result<&[Rgb], VerifyError> {
+        let known = self.0.iter().position(|(room, _)| *room == key);
+        let index = if let Some(index) = known {
+            index
+        } else {
+            self.0.push((key, solve()?.irradiance));
+            self.0.len() - 1
+        };
+        Ok(&self.0[index].1)
+    }
+}
+
 /// Measures one case. Also gives the name of the back end that drew.
 pub fn measure(
     case: &Case,
     accuracy: Accuracy,
     choice: BackendChoice,
+    solved: &mut Solved,
 ) -> Result<(Measured, &'static str), VerifyError> {
     let scene = case.scene.build()?;
     let hemicubes = Arc::new(Hemicubes::new(&scene, accuracy.form_factors));
     let backend = backend::open(&hemicubes, choice)?;
-    let name = backend.name;
     let source = with_lamps(&hemicubes, accuracy.lamps, backend.source);
-    let rows = RowCache::new(&hemicubes, source, MEMORY_BYTES);
     let mut bench = Bench {
         scene: &scene,
-        rows,
+        rows: RowCache::new(&hemicubes, source, MEMORY_BYTES),
     };
-    Ok((bench.measure(case)?, name))
+    let measured = bench.measure(case, |room| (room, accuracy, choice), solved)?;
+    Ok((measured, backend.name))
 }
 
 /// A scene and its rows.
@@ -77,7 +101,12 @@ struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    fn measure(&mut self, case: &Case) -> Result<Measured, VerifyError> {
+    fn measure(
+        &mut self,
+        case: &Case,
+        key: impl Fn(&'static str) -> SolvedRoom,
+        solved: &mut Solved,
+    ) -> Result<Measured, VerifyError> {
         let expected = match case.expected {
             Expected::Value(value) => value,
             Expected::DenseSolution => 0.0,
@@ -98,18 +127,17 @@ impl Bench<'_> {
                 let solved = self.solve(SolverChoice::Jacobi, residual)?;
                 farthest(solved.into_iter().map(|b| f64::from(b.x)).collect())
             }
-            Measure::Reflected {
-                reference,
+            &Measure::Reflected {
+                room,
+                ref reference,
                 statistic,
             } => {
-                let solution =
-                    self.iterate(SolverChoice::Jacobi, ROOM_RESIDUAL, MOST_ITERATIONS)?;
+                let irradiance = solved.get_or_solve(key(room), || {
+                    self.iterate(SolverChoice::Jacobi, ROOM_RESIDUAL, MOST_ITERATIONS)
+                })?;
                 let problem = Problem::new(self.scene);
                 known(path_tracer::statistic(
-                    *statistic,
-                    &problem,
-                    &solution.irradiance,
-                    reference,
+                    statistic, &problem, irradiance, reference,
                 ))
             }
             &Measure::DenseSolve { solver } => self.dense_solve(solver)?,

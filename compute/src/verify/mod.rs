@@ -38,7 +38,7 @@ use crate::quantity::show_duration;
 use crate::rows::BackendError;
 use crate::settings::{BackendChoice, FormFactorSettings, LampViews};
 use case::Case;
-use measure::{Measured, measure};
+use measure::{Measured, Solved, measure};
 
 /// What `compute verify` is asked to do.
 #[derive(Clone, Debug, PartialEq)]
@@ -272,12 +272,15 @@ fn measure_all<'a>(
     mut show: impl FnMut(&Outcome),
 ) -> Result<Vec<Outcome<'a>>, VerifyError> {
     let mut outcomes = Vec::with_capacity(cases.len() * choices.len());
+    let mut solved = Solved::default();
     for case in cases {
         for &choice in choices {
             let (measured, backend) =
-                measure(case, accuracy, choice).map_err(|source| VerifyError::Case {
-                    case: case.name.clone(),
-                    source: Box::new(source),
+                measure(case, accuracy, choice, &mut solved).map_err(|source| {
+                    VerifyError::Case {
+                        case: case.name.clone(),
+                        source: Box::new(source),
+                    }
                 })?;
             let outcome = Outcome {
                 case,

@@ -3,7 +3,7 @@
 use super::{heading, line, row};
 use crate::settings::{BackendChoice, FormFactorSettings, LampViews, Points, Turns};
 use crate::verify::case::{Case, Measure};
-use crate::verify::measure::{Measured, measure};
+use crate::verify::measure::{Measured, Solved, measure};
 use crate::verify::print::error;
 use crate::verify::{Accuracy, VerifyError};
 
@@ -47,6 +47,7 @@ pub(super) fn errors(
     choice: BackendChoice,
 ) -> Result<(), VerifyError> {
     heading(text, "Error against resolution and points");
+    let mut solved = Solved::default();
     line(
         text,
         "Columns are values of `--points`. In the plots each has a mark: a for auto, 3 and 4 for so many \
@@ -72,7 +73,7 @@ pub(super) fn errors(
                     form_factors,
                     ..accuracy
                 };
-                let (measured, _) = measure(case, accuracy, choice)?;
+                let (measured, _) = measure(case, accuracy, choice, &mut solved)?;
                 cells.push(error(measured.expected, measured.error()));
                 found.push((measured, mark));
             }
@@ -121,9 +122,10 @@ pub(super) fn means(
         return Ok(());
     }
     heading(text, "What each means of accuracy does");
+    let mut solved = Solved::default();
     line(
         text,
-        "`--points`, `--seed` (hemicubes aligned, or turned) and `--lamps` for a room. The last line is the \
+        "`--points`, `--seed` (hemicubes aligned, or turned) and `--lamps` for two rooms. The last line is the \
          default.\n",
     );
     let mut header = vec!["points", "seed", "lamps"];
@@ -156,7 +158,7 @@ pub(super) fn means(
                 form_factors,
                 lamps,
             };
-            let (measured, _) = measure(case, accuracy, choice)?;
+            let (measured, _) = measure(case, accuracy, choice, &mut solved)?;
             cells.push(error(measured.expected, measured.error()));
         }
         row(text, &cells.iter().map(String::as_str).collect::<Vec<_>>());
