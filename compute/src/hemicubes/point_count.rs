@@ -116,7 +116,9 @@ impl<'a> Surroundings<'a> {
         let mut near: Vec<Neighbour> = Vec::new();
         let mut gap = f64::INFINITY;
         for (id, sphere) in (0..).map(SurfaceId).zip(&self.spheres) {
-            if id == geometry.surface || !sphere.is_within(FAR * radius, centroid) {
+            // Once something is known to be within reach, only what is near matters.
+            let reach = if rule == FEWEST { FAR } else { NEAR };
+            if id == geometry.surface || !sphere.is_within(reach * radius, centroid) {
                 continue;
             }
             let Some(neighbour) = self.neighbour(&frame, &points, id) else {
