@@ -48,7 +48,8 @@ Models:
   furnace  a closed unit box whose walls all emit and reflect alike: the solution is
            LIGHT_POWER / (1 - REFLECTANCE) everywhere
   FILE.obj triangles and polygons of a Wavefront OBJ file; Kd of its MTL file is the
-           reflectance, Ke the emission (exitance, W/m^2)
+           reflectance, Ke the emission (exitance, W/m^2); polygons are fanned, concave ones
+           cut so that nothing overlaps
 
 REFLECTANCE replaces the colours by one grey: of all surfaces in models 1 to 3 and furnace, of all
 materials that do not emit in cornell and FILE.obj. LIGHT_POWER is the exitance of every lamp in

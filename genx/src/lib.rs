@@ -31,8 +31,8 @@ pub struct Made {
 pub struct Imported {
     /// Faces in the file, of any number of corners.
     pub faces: usize,
-    /// Those with more than three corners, which were fanned into triangles.
-    pub polygons_fanned: usize,
+    /// Those with more than three corners, which were cut into triangles.
+    pub polygons: usize,
 }
 
 /// Why a scene could not be made.
@@ -44,6 +44,9 @@ pub enum GenxError {
     /// The OBJ file cannot be used.
     #[error(transparent)]
     Obj(#[from] scene::obj::ObjError),
+    /// A reflectance of the OBJ file's materials is out of range.
+    #[error("{0}, or give a REFLECTANCE for all materials that do not emit")]
+    Reflectance(scene::obj::ObjError),
     /// The result is no valid scene, for example for too many patches.
     #[error(transparent)]
     Scene(#[from] scene::SceneError),

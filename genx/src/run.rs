@@ -38,8 +38,8 @@ fn summary(out: &Path, made: &Made) -> String {
         line(
             "imported",
             format!(
-                "{} faces, {} of them polygons, fanned",
-                imported.faces, imported.polygons_fanned
+                "{} faces, {} of them polygons, cut into triangles",
+                imported.faces, imported.polygons
             ),
         );
     }

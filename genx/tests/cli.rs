@@ -242,7 +242,7 @@ fn infinite_area_keeps_the_triangles_of_an_obj_file_in_order() {
         write_obj(&folder, "model.obj");
         let output = make(&folder, arguments);
         let scene = load(&folder, "out.rad");
-        // A pentagon and a square, fanned.
+        // A pentagon and a square.
         assert_eq!(scene.patch_count(), 3 + 2);
         let objects: Vec<&str> = scene
             .surfaces()
@@ -252,7 +252,7 @@ fn infinite_area_keeps_the_triangles_of_an_obj_file_in_order() {
         assert_eq!(objects, ["bottom", "bottom", "bottom", "top", "top"]);
         let text = stdout(&output);
         assert!(
-            text.contains("2 faces, 2 of them polygons, fanned"),
+            text.contains("2 faces, 2 of them polygons, cut into triangles"),
             "{text}"
         );
     }
@@ -301,6 +301,21 @@ fn an_obj_file_without_emitters_or_mtl_is_made_with_warnings() {
             .all(|line| line.starts_with("genx: warning: "))
     );
     assert_eq!(load(&folder, "out.rad").patch_count(), 1);
+}
+
+#[test]
+fn reflectance_stands_in_for_a_white_that_no_solution_could_have() {
+    let folder = folder();
+    write_obj(&folder, "model.obj");
+    let mtl = "newmtl lamp\nKd 0.2\nKe 4 2 1\nnewmtl floor\nKd 1.0 1.0 1.0\n";
+    std::fs::write(folder.path().join("model.mtl"), mtl).unwrap();
+    let message = failure(&folder, &["out.rad", "model.obj"]);
+    for word in ["model.mtl", "\"floor\"", "clamp it", "REFLECTANCE"] {
+        assert!(message.contains(word), "{word} is missing in {message}");
+    }
+    make(&folder, &["out.rad", "model.obj", "inf", "0.25", "8"]);
+    let scene = load(&folder, "out.rad");
+    assert_eq!(scene.materials()[0].reflectance, Rgb::splat(0.25));
 }
 
 #[test]

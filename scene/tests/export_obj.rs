@@ -93,7 +93,7 @@ fn exported_obj_shares_the_vertices_of_neighbours() {
 
 #[test]
 fn names_that_obj_cannot_hold_are_changed_so_that_the_import_finds_them() {
-    let triangle = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let triangle = |i: u32| [[0.0; 3], [1.0, 0.0, i as f32], [0.0, 1.0, 0.0]];
     let names = [
         "wall",
         "wall",
@@ -103,8 +103,10 @@ fn names_that_obj_cannot_hold_are_changed_so_that_the_import_finds_them() {
         "a\nKd 1 1 1",
         "two words",
         "#\\",
+        "room #2",
+        "# ##",
     ];
-    let reflectance = |i: usize| [0.1 * i as f32, 0.25, 0.0];
+    let reflectance = |i: usize| [0.09 * i as f32, 0.25, 0.0];
     let scene = Scene::new(
         names
             .iter()
@@ -112,8 +114,8 @@ fn names_that_obj_cannot_hold_are_changed_so_that_the_import_finds_them() {
             .map(|(i, name)| material(name, reflectance(i), [0.0; 3]))
             .collect(),
         vec!["first\nf 9 9 9".into(), String::new()],
-        (0..8).map(|i| surface(triangle, i, i % 2)).collect(),
-        &[0; 8],
+        (0..10).map(|i| surface(triangle(i), i, i % 2)).collect(),
+        &[0; 10],
         DVec3::ZERO,
     )
     .unwrap();
@@ -130,7 +132,9 @@ fn names_that_obj_cannot_hold_are_changed_so_that_the_import_finds_them() {
             "material_2",
             "a_Kd 1 1 1",
             "two words",
-            "#\\"
+            "#\\",
+            "room _2",
+            "_ _#",
         ]
     );
     assert_eq!(again.objects(), ["first_f 9 9 9", "object"]);

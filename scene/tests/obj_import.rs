@@ -91,7 +91,7 @@ fn polygon_is_fanned_from_its_first_corner() {
             [p[4], p[1], p[0]]
         ]
     );
-    assert_eq!((model.report.faces, model.report.polygons_fanned), (2, 2));
+    assert_eq!((model.report.faces, model.report.polygons), (2, 2));
     assert_eq!(model.report.non_planar_polygons, 0);
 }
 
@@ -144,19 +144,91 @@ fn odd_but_legal_spellings_are_read() {
 #[test]
 fn names_keep_spaces_and_odd_characters() {
     let folder = folder();
-    write(&folder, "my file.mtl", "newmtl wei\u{df} #2 \\\nKd 0.25\n");
+    write(&folder, "my file.mtl", "newmtl wei\u{df}#2 \\\nKd 0.25\n");
     let model = load_text(
         &folder,
         format!(
-            "mtllib my file.mtl\n{SQUARE}\t o  the  floor \\ \nusemtl\twei\u{df} #2 \\\nf 1 2 3\n"
+            "mtllib my file.mtl\n{SQUARE}\t o  the  floor \\ \nusemtl\twei\u{df}#2 \\\nf 1 2 3\n"
         ),
     )
     .unwrap();
     assert_eq!(model.objects, ["the  floor \\"]);
-    assert_eq!(model.materials[0].name, "wei\u{df} #2 \\");
+    assert_eq!(model.materials[0].name, "wei\u{df}#2 \\");
     // One number stands for three.
     assert_eq!(model.materials[0].reflectance, Rgb::splat(0.25));
     assert_eq!(model.report.warnings, [""; 0]);
+}
+
+#[test]
+fn comments_behind_names_are_no_part_of_them() {
+    let folder = folder();
+    let mtl = "newmtl red # of brick\nKd 0.5 0 0 # dull\nnewmtl #3\t#4\nKd 0.1 # grey\n";
+    write(&folder, "a.mtl", mtl);
+    write(&folder, "b #1.mtl", "newmtl c#d\nKd 0.2\n");
+    let model = load_text(
+        &folder,
+        format!(
+            "mtllib a.mtl # materials\nmtllib b #1.mtl\n{SQUARE}o floor # the first\nusemtl red # bricks\n\
+             f 1 2 3\ng sharp#1 #sharp\nusemtl #3 # numbered\nf 1 3 4\no # nothing\nusemtl c#d\nf 1 2 4\n"
+        ),
+    )
+    .unwrap();
+    assert_eq!(model.report.warnings, [""; 0]);
+    assert_eq!(model.objects[..2], ["floor", "sharp#1"]);
+    assert!(!model.objects[2].contains("nothing"), "{:?}", model.objects);
+    let names: Vec<&str> = model.materials.iter().map(|m| m.name.as_str()).collect();
+    assert_eq!(names, ["red", "#3", "c#d"]);
+    let reds: Vec<f32> = model.materials.iter().map(|m| m.reflectance.x).collect();
+    assert_eq!(reds, [0.5, 0.1, 0.2]);
+}
+
+#[test]
+fn triangles_that_repeat_others_are_kept_and_warned_of() {
+    // Both of the floor's triangles once more from other corners, one of them twice; the ceiling's
+    // faces the other way and is none.
+    let model = model(&format!(
+        "{SQUARE}v 1 0 0\no floor\nusemtl m\nf 1 2 3 4\no rug\nf 3 4 1\nf 3 1 5\no mat\nf 1 3 4\no ceiling\nf 3 2 1\n"
+    ));
+    assert_eq!(model.surfaces.len(), 6);
+    let warning = model.report.warnings.last().unwrap();
+    assert!(
+        warning.contains("3 of 6 triangles")
+            && warning.contains("line 10")
+            && warning.contains("\"rug\""),
+        "{warning}"
+    );
+    let all = model.report.warnings.join("\n");
+    assert_eq!(all.matches("same corners").count(), 1, "{all}");
+}
+
+#[test]
+fn only_the_reflectance_that_is_used_is_judged() {
+    let folder = folder();
+    let obj = write(
+        &folder,
+        "a.obj",
+        format!(
+            "mtllib a.mtl\n{SQUARE}usemtl white\nf 1 2 3\nusemtl lamp\nf 1 3 4\nusemtl no\nf 1 2 4\n"
+        ),
+    );
+    let mtl = |lamp: &str| {
+        format!("newmtl white\nKd 1 1 1\nmap_Kd wood.png\nnewmtl lamp\nKd {lamp}\nKe 1 0 0\n")
+    };
+    write(&folder, "a.mtl", mtl("0.9"));
+    assert!(scene::obj::load(&obj).is_err());
+    let model = scene::obj::load_with_reflectance(&obj, 0.25).unwrap();
+    let reds: Vec<f32> = model.materials.iter().map(|m| m.reflectance.x).collect();
+    assert_eq!(reds, [0.25, 0.9, 0.25]);
+    let [warning] = &model.report.warnings[..] else {
+        panic!("{:?}", model.report.warnings)
+    };
+    assert!(
+        warning.contains("\"no\"") && warning.contains("0.25"),
+        "{warning}"
+    );
+    write(&folder, "a.mtl", mtl("1"));
+    let error = scene::obj::load_with_reflectance(&obj, 0.25).unwrap_err();
+    assert!(error.to_string().contains("\"lamp\""), "{error}");
 }
 
 #[test]
@@ -206,16 +278,6 @@ fn non_planar_polygon_is_fanned_and_counted() {
         let warned = model.report.warnings.iter().any(|w| w.contains("planar"));
         assert_eq!(warned, expected == 1);
     }
-}
-
-#[test]
-fn concave_polygon_is_warned_of() {
-    let arrow = |order: &str| model(&format!("v 0 0 0\nv 2 2 0\nv 0 1 0\nv -2 2 0\nf {order}\n"));
-    let warns = |model: &ObjModel| model.report.warnings.iter().any(|w| w.contains("concave"));
-    // From the tip or the notch the fan covers an arrow head exactly; from a wing it overlaps.
-    assert!(!warns(&arrow("1 2 3 4")));
-    assert!(!warns(&arrow("3 4 1 2")));
-    assert!(warns(&arrow("2 3 4 1")));
 }
 
 #[test]

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use scene::{Scene, Surface};
+use scene::obj::ObjFault;
+use scene::{Scene, SceneError, Surface};
 
 use super::override_materials;
 use crate::{GenxError, Imported, Made, Settings};
@@ -18,7 +19,13 @@ pub fn import(path: &Path, settings: &Settings) -> Result<Made, GenxError> {
         surfaces,
         origin,
         report,
-    } = scene::obj::load(path)?;
+    } = match settings.reflectance {
+        Some(reflectance) => scene::obj::load_with_reflectance(path, reflectance)?,
+        None => scene::obj::load(path).map_err(|error| match error.fault {
+            ObjFault::Material(SceneError::Reflectance { .. }) => GenxError::Reflectance(error),
+            _ => error.into(),
+        })?,
+    };
     override_materials(&mut materials, settings);
     let max_area = settings
         .max_area
@@ -28,7 +35,7 @@ pub fn import(path: &Path, settings: &Settings) -> Result<Made, GenxError> {
         warnings: report.warnings,
         imported: Some(Imported {
             faces: report.faces,
-            polygons_fanned: report.polygons_fanned,
+            polygons: report.polygons,
         }),
     })
 }

@@ -6,26 +6,42 @@
 
 use std::collections::{HashMap, HashSet};
 use std::ffi::OsStr;
-use std::io::Write;
-use std::path::Path;
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
 use super::{original, patches};
 use crate::Scene;
-use crate::file::{FileError, write_atomically};
+use crate::file::{FileError, FileFault, write_atomically};
+use crate::obj::comment_start;
 
-/// Writes one face a patch, in patch order, and the materials to a file of the same name that
-/// ends in `.mtl`.
+/// The first line of a material file, by which an export knows those that it may replace.
+const MARK: &str = "# materials of a radiosity export";
+
+/// The material file of an OBJ: the same name ending in `.mtl`.
+pub fn material_path(path: &Path) -> PathBuf {
+    path.with_extension("mtl")
+}
+
+/// Writes one face a patch, in patch order, and the materials to [`material_path`].
+///
+/// A material file that no export has written is not replaced: then nothing is written.
 ///
 /// Positions are the model's own coordinates, metres, with all digits of the f64. Names that would
-/// not survive the format are changed: outer spaces go, line breaks become `_`, and a material whose
+/// not survive the format are changed: outer spaces go, line breaks become `_`, as does
+/// a `#` that would start a comment, and a material whose
 /// name another one has gets a number.
 pub fn save(path: &Path, scene: &Scene) -> Result<(), FileError> {
-    let material_path = path.with_extension("mtl");
+    let material_path = material_path(path);
+    if !is_free(&material_path) {
+        let fault = FileFault::ForeignMaterials;
+        return Err(FileError::new(&material_path, fault));
+    }
     let names = material_names(scene);
     // First, so that an OBJ never names an MTL that is not there.
     write_atomically(&material_path, |out| {
+        writeln!(out, "{MARK}")?;
         for (material, name) in scene.materials().iter().zip(&names) {
             let (rho, emission) = (material.reflectance, material.emission);
             writeln!(out, "newmtl {name}")?;
@@ -55,6 +71,18 @@ pub fn save(path: &Path, scene: &Scene) -> Result<(), FileError> {
         }
         Ok(())
     })
+}
+
+/// Whether there is no such file, an empty one, or one of an earlier export.
+fn is_free(material_path: &Path) -> bool {
+    let mut start = Vec::new();
+    match std::fs::File::open(material_path) {
+        Ok(file) => {
+            let read = file.take(MARK.len() as u64).read_to_end(&mut start);
+            read.is_ok() && (start.is_empty() || start == MARK.as_bytes())
+        }
+        Err(error) => error.kind() == std::io::ErrorKind::NotFound,
+    }
 }
 
 /// The vertices written so far, so that neighbours share theirs.
@@ -104,5 +132,10 @@ fn plain(name: &str, if_empty: &str) -> String {
     if trimmed.is_empty() {
         return if_empty.to_owned();
     }
-    trimmed.replace(char::is_control, "_")
+    let mut plain = trimmed.replace(char::is_control, "_");
+    // What the import would take for a comment.
+    while let Some(at) = comment_start(&plain) {
+        plain.replace_range(at..=at, "_");
+    }
+    plain
 }

@@ -49,7 +49,7 @@ pub struct FileError {
 }
 
 impl FileError {
-    fn new(path: &Path, fault: impl Into<FileFault>) -> Self {
+    pub(crate) fn new(path: &Path, fault: impl Into<FileFault>) -> Self {
         Self {
             path: path.to_owned(),
             fault: fault.into(),
@@ -88,6 +88,10 @@ pub enum FileFault {
     Structure { what: String },
     #[error("{colors} colours for {patches} patches")]
     ColorCount { colors: usize, patches: u32 },
+    #[error(
+        "it is there and no export has written it, so it is not replaced; choose another name for the .obj, or move the .mtl away"
+    )]
+    ForeignMaterials,
     #[error("another program is writing this file (it holds {})", lock.display())]
     Locked { lock: PathBuf },
     #[error(transparent)]

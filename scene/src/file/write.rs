@@ -54,6 +54,7 @@ pub fn write_atomically(
         .prefix(&format!(".{name}."))
         .suffix(".tmp")
         .tempfile_in(folder_of(path))
+        .map_err(without_path)
         .map_err(fail("write"))?;
     let mut buffered = std::io::BufWriter::with_capacity(1 << 20, file.as_file_mut());
     write(&mut buffered)
@@ -70,6 +71,15 @@ pub fn write_atomically(
         folder.sync_all().ok();
     }
     Ok(())
+}
+
+/// An error of tempfile's without the temporary file's name, which it puts last.
+fn without_path(error: std::io::Error) -> std::io::Error {
+    let text = error.to_string();
+    match text.split_once(" at path ") {
+        Some((cause, _)) => std::io::Error::new(error.kind(), cause),
+        None => error,
+    }
 }
 
 /// True for what is neither a file nor a folder, and so cannot be replaced.

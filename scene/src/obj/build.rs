@@ -1,16 +1,11 @@
-//! From tobj's polygons to surfaces: centring, fanning, and dropping what has no area.
+//! From tobj's polygons to surfaces: centring, triangles, and dropping what has no area.
 
 use std::collections::HashMap;
 
 use glam::{DVec3, Vec3};
 
-use super::{ImportReport, ObjFault, ObjModel};
+use super::{ImportReport, ObjFault, ObjModel, polygon};
 use crate::{Material, MaterialId, ObjectId, Surface};
-
-/// Farthest a corner of a planar polygon may lie from its mean plane, as a share of the diagonal
-/// of its bounding box. Tuned: coordinates written with six digits stay well below it, and the
-/// left wall of the published Cornell box, twisted by 1e-3, lies above.
-const PLANARITY_TOLERANCE: f64 = 1e-4;
 
 /// Margin on the largest extent, so that models whose extent is a power of two, which are common,
 /// do not change their grid, and with it the origin, by rounding. Tuned: any odd ratio serves.
@@ -34,9 +29,10 @@ pub(super) fn build(
     let origin = origin_of(positions.iter().flatten());
 
     let mut objects = Objects::default();
-    let mut surfaces = Vec::new();
+    let mut surfaces: Vec<Surface> = Vec::new();
+    let mut surface_lines = Vec::new();
     let mut first_lines = FirstLines::default();
-    let mut concave = 0;
+    let mut overlapping = 0;
     let mut triangles = 0;
     let mut lines = face_lines.iter().copied();
     for (model, positions) in models.iter().zip(&positions) {
@@ -53,22 +49,22 @@ pub(super) fn build(
                 .iter()
                 .map(|&index| centred(positions[index as usize], origin, line))
                 .collect::<Result<Vec<Vec3>, _>>()?;
+            let cut = polygon::triangles(&polygon);
             if polygon.len() > 3 {
-                report.polygons_fanned += 1;
-                let shape = Shape::of(&polygon);
-                if !shape.is_planar {
+                report.polygons += 1;
+                if !cut.is_planar {
                     report.non_planar_polygons += 1;
                     first_lines.non_planar.get_or_insert(line);
                 }
-                if shape.is_concave {
-                    concave += 1;
-                    first_lines.concave.get_or_insert(line);
+                if cut.overlap {
+                    overlapping += 1;
+                    first_lines.overlapping.get_or_insert(line);
                 }
             }
-            for pair in polygon[1..].windows(2) {
+            for corners in cut.corners {
                 triangles += 1;
                 let surface = Surface {
-                    corners: [polygon[0], pair[0], pair[1]],
+                    corners: corners.map(|k| polygon[k]),
                     material,
                     object,
                 };
@@ -77,6 +73,7 @@ pub(super) fn build(
                     first_lines.degenerate.get_or_insert(line);
                 } else {
                     surfaces.push(surface);
+                    surface_lines.push(line);
                 }
             }
         }
@@ -84,7 +81,15 @@ pub(super) fn build(
     if surfaces.is_empty() {
         return Err(ObjFault::NothingLeft { triangles });
     }
-    first_lines.warn(concave, triangles, &mut report);
+    first_lines.warn(overlapping, triangles, &mut report);
+    if let Some(repeated) = Repeated::among(&surfaces) {
+        report.warnings.push(format!(
+            "{} of {triangles} triangles have the same corners and front as one before (the first in line {}, of object \"{}\"); all are kept, but only one of them is seen in each place: remove the others from the model",
+            repeated.count,
+            surface_lines[repeated.first],
+            objects.names[surfaces[repeated.first].object.index()],
+        ));
+    }
     Ok(ObjModel {
         materials,
         objects: objects.names,
@@ -92,6 +97,39 @@ pub(super) fn build(
         origin,
         report,
     })
+}
+
+/// Triangles that lie where another one lies, facing the same way.
+struct Repeated {
+    count: usize,
+    /// The index of the first of them.
+    first: usize,
+}
+
+impl Repeated {
+    fn among(surfaces: &[Surface]) -> Option<Self> {
+        let mut keyed: Vec<([[u32; 3]; 3], usize)> = surfaces.iter().map(key).zip(0..).collect();
+        keyed.sort_unstable();
+        let repeated = keyed
+            .windows(2)
+            .filter(|pair| pair[0].0 == pair[1].0)
+            .map(|pair| pair[1].1);
+        let (count, first) = repeated.fold((0, usize::MAX), |(count, first), index| {
+            (count + 1, first.min(index))
+        });
+        (count > 0).then_some(Self { count, first })
+    }
+}
+
+/// The corners' bits, the same whichever corner comes first.
+fn key(surface: &Surface) -> [[u32; 3]; 3] {
+    // Adding 0 turns -0 into 0.
+    let mut key = surface
+        .corners
+        .map(|p| p.to_array().map(|v| (v + 0.0).to_bits()));
+    let least = (0..3).min_by_key(|&k| key[k]).unwrap_or(0);
+    key.rotate_left(least);
+    key
 }
 
 /// Vertex indices of each face.
@@ -147,41 +185,6 @@ fn centred(position: DVec3, origin: DVec3, line: usize) -> Result<Vec3, ObjFault
     Ok(centred)
 }
 
-/// What fanning has to know of a polygon with four or more corners.
-struct Shape {
-    is_planar: bool,
-    /// Some triangle of the fan faces away from the polygon.
-    is_concave: bool,
-}
-
-impl Shape {
-    fn of(polygon: &[Vec3]) -> Self {
-        let corners: Vec<DVec3> = polygon.iter().map(|p| p.as_dvec3()).collect();
-        let fan_normals: Vec<DVec3> = corners[1..]
-            .windows(2)
-            .map(|pair| (pair[0] - corners[0]).cross(pair[1] - corners[0]))
-            .collect();
-        // The sum is twice the vector area, whatever the corner the fan starts from.
-        let normal = fan_normals.iter().sum::<DVec3>().normalize_or_zero();
-        let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
-        let (low, high) = corners
-            .iter()
-            .fold((corners[0], corners[0]), |(low, high), &p| {
-                (low.min(p), high.max(p))
-            });
-        let tolerance = PLANARITY_TOLERANCE * low.distance(high);
-        Self {
-            is_planar: corners
-                .iter()
-                .all(|&p| (p - middle).dot(normal).abs() <= tolerance),
-            // The same share again, so that rounding in a straight corner does not count.
-            is_concave: fan_normals
-                .iter()
-                .any(|n| n.dot(normal) < -tolerance * low.distance(high)),
-        }
-    }
-}
-
 /// Object names, each once, by first use.
 #[derive(Default)]
 struct Objects {
@@ -205,22 +208,22 @@ impl Objects {
 #[derive(Default)]
 struct FirstLines {
     non_planar: Option<usize>,
-    concave: Option<usize>,
+    overlapping: Option<usize>,
     degenerate: Option<usize>,
 }
 
 impl FirstLines {
-    fn warn(&self, concave: usize, triangles: usize, report: &mut ImportReport) {
+    fn warn(&self, overlapping: usize, triangles: usize, report: &mut ImportReport) {
         if let Some(line) = self.non_planar {
             report.warnings.push(format!(
                 "{} of {} polygons are not planar (the first in line {line}); they are fanned from their first corner",
-                report.non_planar_polygons, report.polygons_fanned
+                report.non_planar_polygons, report.polygons
             ));
         }
-        if let Some(line) = self.concave {
+        if let Some(line) = self.overlapping {
             report.warnings.push(format!(
-                "{concave} of {} polygons are concave (the first in line {line}), so their triangles overlap; triangulate the model before the import",
-                report.polygons_fanned
+                "{overlapping} of {} polygons cross themselves, or are concave and not planar (the first in line {line}), so their triangles overlap; triangulate the model before the import",
+                report.polygons
             ));
         }
         if let Some(line) = self.degenerate {

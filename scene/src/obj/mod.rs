@@ -1,8 +1,9 @@
 //! Import of Wavefront OBJ models with their MTL materials.
 //!
 //! # What is taken
-//! - Vertices and polygons. Polygons are fanned from their first corner, so triangles come in file
-//!   order. Normals and texture coordinates are ignored: the winding decides the front.
+//! - Vertices and polygons. Polygons are fanned from their first corner, or where that overlaps, as
+//!   in most concave ones, cut by their ears (`polygon.rs`); triangles come in file order. Normals and texture coordinates are ignored: the winding decides the front.
+//! - A name ends before a `#` that follows a space; inside a word it is part of the name.
 //! - `o` and `g` alike name objects; equal names are one object.
 //! - `Kd` is the reflectance, `Ke` the emission (exitance, W/m^2). Where a material, its `Kd` or
 //!   its file is missing, the reflectance is a grey of 0.5, and a warning names what is missing.
@@ -10,7 +11,8 @@
 //!
 //! # What is reported
 //! - A polygon counts as non-planar if a corner lies farther than 1e-4 of the polygon's extent from
-//!   its mean plane. It is fanned all the same.
+//!   its mean plane. It is fanned all the same, as is one that crosses itself; a warning counts
+//!   those whose triangles overlap.
 //! - Triangles without area beyond f32 rounding are dropped and counted.
 //!
 //! # Positions
@@ -28,6 +30,7 @@
 mod build;
 mod error;
 mod mtl;
+mod polygon;
 mod screen;
 
 use std::path::Path;
@@ -35,6 +38,7 @@ use std::path::Path;
 use glam::DVec3;
 
 pub use error::{ObjError, ObjFault};
+pub(crate) use screen::comment_start;
 
 use crate::{Material, Surface};
 
@@ -59,10 +63,10 @@ pub struct ImportReport {
     /// Faces with three or more corners.
     pub faces: usize,
     /// Faces with four or more corners.
-    pub polygons_fanned: usize,
+    pub polygons: usize,
     /// Those among them that are not planar.
     pub non_planar_polygons: usize,
-    /// Triangles, after fanning, that were dropped for want of area.
+    /// Triangles that were dropped for want of area.
     pub degenerate_dropped: usize,
     /// Statements that draw points or lines.
     pub points_and_lines_ignored: usize,
@@ -75,6 +79,19 @@ pub struct ImportReport {
 /// # Errors
 /// Name the file, and the line, vertex or material at fault; see [`ObjFault`].
 pub fn load(path: &Path) -> Result<ObjModel, ObjError> {
+    load_with(path, None)
+}
+
+/// Reads an OBJ file and the MTL files it names, with one reflectance (dimensionless, in [0, 1))
+/// for all materials that do not emit, whatever their `Kd`.
+///
+/// # Errors
+/// As [`load`]; of the materials that do not emit, only the emission is judged.
+pub fn load_with_reflectance(path: &Path, reflectance: f32) -> Result<ObjModel, ObjError> {
+    load_with(path, Some(reflectance))
+}
+
+fn load_with(path: &Path, reflectance: Option<f32>) -> Result<ObjModel, ObjError> {
     let fail = |fault| ObjError::new(path, fault);
     let bytes = std::fs::read(path).map_err(|source| fail(ObjFault::Io { source }))?;
     let screened = screen::screen(&bytes).map_err(fail)?;
@@ -86,15 +103,15 @@ pub fn load(path: &Path) -> Result<ObjModel, ObjError> {
     };
     let folder = path.parent().unwrap_or(Path::new(""));
     let library = mtl::Library::load(folder, &screened.libraries, &mut report.warnings)?;
-    let mut materials = library.materials_for(&screened.used_materials, &mut report.warnings)?;
+    let mut materials =
+        library.materials_for(&screened.used_materials, reflectance, &mut report.warnings)?;
     if screened.faces_without_material > 0 {
+        let grey = reflectance.unwrap_or(mtl::GREY);
         report.warnings.push(format!(
             "{} of {} faces have no material; they are grey with reflectance {}",
-            screened.faces_without_material,
-            report.faces,
-            mtl::GREY
+            screened.faces_without_material, report.faces, grey
         ));
-        materials.push(mtl::grey("default"));
+        materials.push(mtl::grey("default", grey));
     }
 
     let models = screened.parse().map_err(|e| fail(ObjFault::Parser(e)))?;

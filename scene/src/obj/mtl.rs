@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use super::screen::{UsedMaterial, decode, malformed};
+use super::screen::{UsedMaterial, decode, malformed, name_of, statement};
 use super::{ObjError, ObjFault};
 use crate::{Material, Rgb};
 
@@ -12,10 +12,10 @@ use crate::{Material, Rgb};
 pub(super) const GREY: f32 = 0.5;
 
 /// A material that reflects grey and emits nothing.
-pub(super) fn grey(name: &str) -> Material {
+pub(super) fn grey(name: &str, reflectance: f32) -> Material {
     Material {
         name: name.to_owned(),
-        reflectance: Rgb::splat(GREY),
+        reflectance: Rgb::splat(reflectance),
         emission: Rgb::ZERO,
     }
 }
@@ -56,37 +56,29 @@ impl Library {
         Ok(Self { materials })
     }
 
-    /// The materials with these names, in this order.
+    /// The materials with these names, in this order. `reflectance` stands in for what those that
+    /// do not emit say of theirs.
     pub(super) fn materials_for(
         &self,
         used: &[UsedMaterial],
+        reflectance: Option<f32>,
         warnings: &mut Vec<String>,
     ) -> Result<Vec<Material>, ObjError> {
+        let reflectance_of_none = reflectance.unwrap_or(GREY);
         used.iter()
             .map(|UsedMaterial { name, faces }| {
+                let mut material = grey(name, reflectance_of_none);
                 let Some((found, path)) = self.materials.get(name) else {
                     warnings.push(format!(
-                        "material \"{name}\" of {faces} faces is not defined; it is taken as grey with reflectance {GREY}"
+                        "material \"{name}\" of {faces} faces is not defined; it is taken as grey with reflectance {reflectance_of_none}"
                     ));
-                    return Ok(grey(name));
+                    return Ok(material);
                 };
-                let mut material = grey(name);
-                if let Some(reflectance) = found.diffuse {
-                    material.reflectance = Rgb::from(reflectance.map(|v| v as f32));
-                } else {
-                    warnings.push(format!(
-                        "{}: material \"{name}\" has no Kd; its reflectance is taken as {GREY}",
-                        path.display()
-                    ));
-                }
-                if let Some(texture) = &found.diffuse_texture {
-                    warnings.push(format!(
-                        "{}: material \"{name}\": texture {texture} is ignored, only Kd counts",
-                        path.display()
-                    ));
-                }
                 if let Some(emission) = found.emissive {
                     material.emission = Rgb::from(emission.map(|v| v as f32));
+                }
+                if reflectance.is_none() || material.is_emitter() {
+                    material.reflectance = own_reflectance(found, path, warnings);
                 }
                 material
                     .validate()
@@ -97,8 +89,33 @@ impl Library {
     }
 }
 
+/// What a material of an MTL file says of its reflectance, not judged.
+fn own_reflectance(found: &tobj::Material, path: &Path, warnings: &mut Vec<String>) -> Rgb {
+    let name = &found.name;
+    if found.diffuse.is_none() {
+        warnings.push(format!(
+            "{}: material \"{name}\" has no Kd; its reflectance is taken as {GREY}",
+            path.display()
+        ));
+    }
+    if let Some(texture) = &found.diffuse_texture {
+        warnings.push(format!(
+            "{}: material \"{name}\": texture {texture} is ignored, only Kd counts",
+            path.display()
+        ));
+    }
+    found
+        .diffuse
+        .map_or(Rgb::splat(GREY), |kd| Rgb::from(kd.map(|v| v as f32)))
+}
+
 /// The files a `mtllib` argument may mean: one whose name holds spaces, or several.
 fn candidates(folder: &Path, argument: &str) -> Vec<PathBuf> {
+    let with_comment = folder.join(argument);
+    if with_comment.exists() {
+        return vec![with_comment];
+    }
+    let argument = name_of(argument);
     let whole = folder.join(argument);
     if whole.exists() || !argument.contains(char::is_whitespace) {
         return vec![whole];
@@ -126,16 +143,15 @@ fn read_regular(path: &Path) -> std::io::Result<Vec<u8>> {
 fn screen(text: &str) -> Result<String, ObjFault> {
     let mut reduced = String::new();
     for (index, line) in text.lines().enumerate() {
-        let (number, line) = (index + 1, line.trim());
-        let (keyword, rest) = line
-            .split_once(char::is_whitespace)
-            .map_or((line, ""), |(k, r)| (k, r.trim()));
+        let number = index + 1;
+        let (keyword, rest) = statement(line);
+        let name = name_of(rest);
         match keyword {
-            "newmtl" if rest.is_empty() => {
+            "newmtl" if name.is_empty() => {
                 return Err(malformed(number, "\"newmtl\" has no name"));
             }
             "newmtl" => {
-                let _ = writeln!(reduced, "newmtl {rest}");
+                let _ = writeln!(reduced, "newmtl {name}");
             }
             "Kd" | "Ke" => {
                 let words: Vec<&str> = rest
@@ -164,8 +180,8 @@ fn screen(text: &str) -> Result<String, ObjFault> {
                 }
                 let _ = writeln!(reduced, "{keyword} {r} {g} {b}");
             }
-            "map_Kd" if !rest.is_empty() => {
-                let _ = writeln!(reduced, "map_Kd {rest}");
+            "map_Kd" if !name.is_empty() => {
+                let _ = writeln!(reduced, "map_Kd {name}");
             }
             _ => {}
         }

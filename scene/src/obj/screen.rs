@@ -92,10 +92,8 @@ pub(super) fn screen(bytes: &[u8]) -> Result<Screened, ObjFault> {
     let mut lines = text.lines().enumerate();
     while let Some((index, line)) = lines.next() {
         let number = index + 1;
-        let line = line.trim();
-        let (keyword, rest) = line
-            .split_once(char::is_whitespace)
-            .map_or((line, ""), |(k, r)| (k, r.trim()));
+        let (keyword, rest) = statement(line);
+        let name = name_of(rest);
         match keyword {
             "v" | "f" | "l" | "p" => {
                 // Only numbers are continued over lines: a name may well end in a backslash.
@@ -116,15 +114,15 @@ pub(super) fn screen(bytes: &[u8]) -> Result<Screened, ObjFault> {
                 }
             }
             "o" | "g" => {
-                let _ = writeln!(screener.screened.elements, "o {rest}");
+                let _ = writeln!(screener.screened.elements, "o {name}");
             }
             "mtllib" if !rest.is_empty() => screener.screened.libraries.push(rest.to_owned()),
             "usemtl" => {
-                if rest.is_empty() {
+                if name.is_empty() {
                     return Err(malformed(number, "\"usemtl\" names no material"));
                 }
-                screener.material = Some(rest.to_owned());
-                let _ = writeln!(screener.screened.elements, "usemtl {rest}");
+                screener.material = Some(name.to_owned());
+                let _ = writeln!(screener.screened.elements, "usemtl {name}");
             }
             _ => {}
         }
@@ -141,6 +139,33 @@ pub(super) fn screen(bytes: &[u8]) -> Result<Screened, ObjFault> {
     Ok(screened)
 }
 
+/// A line's keyword and the rest.
+pub(super) fn statement(line: &str) -> (&str, &str) {
+    let line = line.trim();
+    line.split_once(char::is_whitespace)
+        .map_or((line, ""), |(keyword, rest)| (keyword, rest.trim()))
+}
+
+/// Where the comment behind a name starts: at a "#" that follows a space. Inside and at the start
+/// of a name a "#" is part of it, unless it stands alone.
+pub(crate) fn comment_start(rest: &str) -> Option<usize> {
+    let is_comment = |&at: &usize| {
+        let (before, after) = (&rest[..at], &rest[at + 1..]);
+        if before.is_empty() {
+            after.chars().next().is_none_or(char::is_whitespace)
+        } else {
+            before.ends_with(char::is_whitespace)
+        }
+    };
+    rest.match_indices('#').map(|(at, _)| at).find(is_comment)
+}
+
+/// A name without the comment behind it.
+pub(super) fn name_of(rest: &str) -> &str {
+    comment_start(rest).map_or(rest, |at| rest[..at].trim_end())
+}
+
+/// Numbers without the comment behind them.
 fn without_comment(line: &str) -> &str {
     line.split('#').next().unwrap_or_default().trim()
 }
