@@ -11,14 +11,17 @@ use crate::settings::{
 };
 
 /// Shows a scene or its solution: pictures and exports, without a graphics card.
+///
+/// Give --out, --export, or both; what was written is printed, and what deserves a second look goes
+/// to standard error.
 #[derive(Debug, Parser)]
-#[command(name = "display", version, arg_required_else_help = true)]
+#[command(name = "display", version, arg_required_else_help = true, after_help = EXAMPLES)]
 struct Args {
     /// The scene, with or without a solution
     file: PathBuf,
-    /// s: like --smooth; c: like --mode ids
+    /// s: like --smooth; c: like --mode ids [default: neither]
     style: Option<Style>,
-    /// Write the picture: .png mapped for the eye, .exr linear in W/m^2
+    /// Write the picture: .png mapped for the eye, .exr linear in W/m^2 [default: no picture]
     #[arg(long, value_name = "IMAGE.png|.exr", value_parser = image_path)]
     out: Option<(PathBuf, ImageFormat)>,
     /// How values become colours [default: log]
@@ -27,34 +30,52 @@ struct Args {
     /// Which values are shown, both in W/m^2
     #[arg(long, default_value = "radiosity")]
     quantity: QuantityArg,
-    /// Interpolate between patches, but not over creases or between materials
+    /// Interpolate between patches, but not over creases or between materials [default: each patch in one
+    /// colour]
     #[arg(long)]
     smooth: bool,
-    /// Leave out the backs of surfaces, to look into closed rooms
+    /// Leave out the backs of surfaces, to look into closed rooms [default: they are black]
     #[arg(long)]
     cull_back: bool,
-    /// Size of the picture in pixels [default: 768 rows]
+    /// Size of the picture in pixels [default: 768 rows, as wide as suits the scene]
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<Size>,
     /// Position of the camera, in the model's own coordinates [default: chosen by the scene]
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     eye: Option<DVec3>,
-    /// What the camera looks at, in the model's own coordinates
+    /// What the camera looks at, in the model's own coordinates [default: from a given eye the scene's
+    /// middle, else chosen by the scene]
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     look_at: Option<DVec3>,
-    /// Vertical angle of view, degrees
+    /// Vertical angle of view, degrees, between 0 and 180 [default: from a given eye 60, else chosen by
+    /// the scene]
     #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     fov: Option<f64>,
     /// The axis that points up in the picture [default: guessed from the scene]
     #[arg(long)]
     up: Option<AxisArg>,
-    /// Luminances at the ends of the scale, W/m^2 [default: chosen by the patches]
+    /// Luminances at the ends of the scale, W/m^2 [default: chosen by the
+    /// patches that do not emit]
     #[arg(long, value_name = "LO:HI", value_parser = range, allow_hyphen_values = true)]
     range: Option<Range>,
-    /// Write the patches: .ply and .glb with the picture's colours, .obj, or .csv with all values
+    /// Write the patches: .ply and .glb with the picture's colours, .obj and its .mtl, or .csv with all
+    /// values [default: no export]
     #[arg(long, value_name = "FILE.ply|.glb|.obj|.csv", value_parser = export_path)]
     export: Option<(PathBuf, ExportFormat)>,
 }
+
+const EXAMPLES: &str = "\
+Examples:
+  display solved.rad --out room.png                      a picture, camera and range chosen by the scene
+  display solved.rad s --out room.png --size 1600x1200   interpolated, larger
+  display solved.rad --out meter.png --mode false-color --quantity irradiance --range 0.1:50
+                                                         what light meters would show, with a legend
+  display solved.rad --out view.png --eye 1,1.7,4 --look-at 0,1,0 --fov 50
+  display solved.rad --out outside.png --cull-back       into a closed room from outside
+  display scene.rad c --out ids.png                      the patches, as the solver sees them
+  display solved.rad --export values.csv                 all numbers, one row a patch
+Lengths are in the unit of the model's coordinates; values are in W/m^2, linear RGB.
+Exit codes: 0 done, 1 failed, 2 wrong usage.";
 
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 enum Style {
@@ -85,20 +106,26 @@ enum AxisArg {
 
 /// The settings that the process's arguments ask for; with wrong ones, the usage, and exit 2.
 pub fn parse() -> Settings {
-    let args = Args::parse();
-    let usage = |message: String| {
-        Args::command()
-            .error(ErrorKind::ValueValidation, message)
-            .exit()
+    let usage = |message| Args::command().error(ErrorKind::ValueValidation, message);
+    let checked = |args: Args| {
+        let settings = args.into_settings().map_err(usage)?;
+        match settings.validate() {
+            Ok(()) => Ok(settings),
+            Err(error) => Err(usage(error.to_string())),
+        }
     };
-    let settings = match args.into_settings() {
-        Ok(settings) => settings,
-        Err(message) => usage(message),
-    };
-    match settings.validate() {
-        Ok(()) => settings,
-        Err(error) => usage(error.to_string()),
+    Args::try_parse()
+        .and_then(checked)
+        .unwrap_or_else(|error| stop(&error))
+}
+
+/// Prints help, the version or a usage error, and ends the process.
+fn stop(error: &clap::Error) -> Settings {
+    let is_help = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
+    if error.use_stderr() && !is_help {
+        eprint!("display: ");
     }
+    error.exit()
 }
 
 impl Args {
@@ -212,6 +239,29 @@ mod tests {
     #[test]
     fn command_is_consistent() {
         Args::command().debug_assert();
+    }
+
+    #[test]
+    fn help_says_every_default_and_its_examples_are_right() {
+        for argument in Args::command().get_arguments() {
+            let help = argument.get_help().unwrap().to_string();
+            let has_default = !argument.get_default_values().is_empty();
+            assert!(
+                argument.is_required_set() || has_default || help.contains("[default: "),
+                "{help}"
+            );
+        }
+        let examples: Vec<&str> = EXAMPLES
+            .lines()
+            .filter(|l| l.starts_with("  display"))
+            .collect();
+        assert!(examples.len() > 5);
+        for example in examples {
+            // What it does stands two spaces behind it.
+            let words = example.trim().split("  ").next().unwrap().split(' ');
+            let args = Args::try_parse_from(words).unwrap();
+            args.into_settings().unwrap().validate().unwrap();
+        }
     }
 
     #[test]

@@ -1,12 +1,17 @@
 //! The false colours' legend: a panel at the picture's right with the colours, ticks and the unit.
 //!
+//! The range's ends stand above and below the colours, with "> " or "< " where there are values
+//! beyond, which have the end's colour.
+//!
 //! The panel takes its place from the view, which stays whole beside it. Its letters grow with the
 //! picture's height, and are never smaller than can be read; a picture too small to spare the room
 //! has no legend.
 
 use scene::Rgb;
 
-use crate::settings::{Quantity, Size};
+use crate::number;
+use crate::scale::luminance;
+use crate::settings::{Quantity, Range, Size};
 use crate::text::{Canvas, Typeface};
 use crate::ticks::ticks;
 use crate::tone::{Tone, decode};
@@ -17,8 +22,8 @@ const ROWS_PER_LETTER_SIZE: f32 = 40.0;
 const LETTER_SIZES: [f32; 2] = [13.0, 96.0];
 /// Width of the panel in letter sizes: the longest heading, "irradiance", and margins.
 const WIDTH: f32 = 7.4;
-/// The least height of a picture with a legend, in letter sizes: headings and three ticks.
-const MIN_HEIGHT: f32 = 11.0;
+/// The least height of a picture with a legend, in letter sizes: headings, ends and three ticks.
+const MIN_HEIGHT: f32 = 12.0;
 /// Distance from the panel's edges, in letter sizes.
 const MARGIN: f32 = 0.8;
 /// Width of the bar of colours, in letter sizes.
@@ -70,8 +75,49 @@ impl Layout {
     }
 }
 
+/// Which ends of a scale values lie beyond.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Clipped {
+    /// Some lie below the low end.
+    pub below: bool,
+    /// Some lie above the high end.
+    pub above: bool,
+}
+
+impl Clipped {
+    /// Of these values, W/m^2.
+    pub fn of(values: &[Rgb], range: Range) -> Self {
+        let mut lights = values.iter().map(|&value| f64::from(luminance(value)));
+        // Both ends are rounded to f32, as luminances are.
+        let beyond = |light: f64, end: f64| (light - end) > f64::from(f32::EPSILON) * end.abs();
+        Self {
+            below: lights.clone().any(|light| beyond(-light, -range.low)),
+            above: lights.any(|light| beyond(light, range.high)),
+        }
+    }
+
+    /// What the range's ends say, the low one first.
+    fn labels(self, range: Range) -> [String; 2] {
+        let [low, high] = number::ends(range);
+        let marked = |mark, is_clipped, end| {
+            if is_clipped {
+                format!("{mark} {end}")
+            } else {
+                end
+            }
+        };
+        [marked("<", self.below, low), marked(">", self.above, high)]
+    }
+}
+
 /// Draws the legend over the right of a picture.
-pub fn draw(canvas: &mut Canvas, layout: Layout, tone: &Tone, quantity: Quantity) {
+pub fn draw(
+    canvas: &mut Canvas,
+    layout: Layout,
+    tone: &Tone,
+    quantity: Quantity,
+    clipped: Clipped,
+) {
     let letter = layout.letter;
     let Some(typeface) = Typeface::new(letter) else {
         return;
@@ -90,8 +136,16 @@ pub fn draw(canvas: &mut Canvas, layout: Layout, tone: &Tone, quantity: Quantity
         typeface.draw(canvas, left, middle, text, ink);
     }
 
-    let top = ((MARGIN + 2.0 * LINE + 0.6) * letter).round() as i64;
-    let bottom = (height - 1.2 * MARGIN * letter).round() as i64;
+    let top = ((MARGIN + 3.0 * LINE + 0.9) * letter).round() as i64;
+    let bottom = (height - (MARGIN + LINE) * letter).round() as i64;
+    let range = tone.scale().range();
+    let ends = number::ends(range);
+    for (label, middle) in clipped.labels(range).iter().zip([
+        bottom as f32 + (LINE - 0.5) * letter,
+        top as f32 - (LINE - 0.5) * letter,
+    ]) {
+        typeface.draw(canvas, left, middle, label, ink);
+    }
     let (bar_left, bar_width) = (left.round() as i64, (BAR * letter).round() as i64);
     for y in top..bottom {
         let position = 1.0 - ((y - top) as f64 + 0.5) / (bottom - top) as f64;
@@ -111,7 +165,8 @@ pub fn draw(canvas: &mut Canvas, layout: Layout, tone: &Tone, quantity: Quantity
             [(tick_length * letter).round() as i64, thickness],
             ink,
         );
-        if let Some(label) = &tick.label {
+        // What an end says already is not said again beside it.
+        if let Some(label) = tick.label.as_ref().filter(|label| !ends.contains(label)) {
             let middle = y as f32 + 0.5 * thickness as f32;
             typeface.draw(canvas, bar_right as f32 + 0.75 * letter, middle, label, ink);
         }
@@ -121,7 +176,7 @@ pub fn draw(canvas: &mut Canvas, layout: Layout, tone: &Tone, quantity: Quantity
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::{Mode, Range};
+    use crate::settings::Mode;
 
     #[test]
     fn legend_takes_at_most_half_of_any_picture() {
@@ -151,6 +206,10 @@ mod tests {
             for heading in ["radiosity", "irradiance", "W/m²"] {
                 assert!(typeface.width(heading) <= room, "{heading} at {height}");
             }
+            // The longest that ends have where four digits tell them apart.
+            for end in ["< 1.234e-30", "> 0.001234"] {
+                assert!(typeface.width(end) <= room + 0.8 * layout.letter, "{end}");
+            }
             // The longest labels that ticks make of ranges as scenes have them.
             for label in ["0.005", "50000", "2e-10"] {
                 let left = (BAR + 0.75) * layout.letter;
@@ -160,6 +219,22 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn ends_are_marked_where_values_lie_beyond() {
+        let range = Range {
+            low: 0.2,
+            high: 90.0,
+        };
+        let labels = |values: &[f32]| {
+            let values: Vec<Rgb> = values.iter().map(|&v| Rgb::splat(v)).collect();
+            Clipped::of(&values, range).labels(range)
+        };
+        assert_eq!(labels(&[0.2, 5.0, 90.0]), ["0.2", "90"]);
+        assert_eq!(labels(&[0.19, 5.0, 90.0]), ["< 0.2", "90"]);
+        assert_eq!(labels(&[0.2, 91.0]), ["0.2", "> 90"]);
+        assert_eq!(labels(&[0.0, 91.0]), ["< 0.2", "> 90"]);
     }
 
     #[test]
@@ -186,6 +261,7 @@ mod tests {
             layout,
             &tone,
             Quantity::Radiosity,
+            Clipped::default(),
         );
         let view_width = (size.width - layout.width) as usize;
         for row in pixels.chunks(640) {

@@ -10,7 +10,7 @@
 //! | [`camera`], [`default_camera`], [`kind`], [`probe`], [`up`] | where the picture is taken from |
 //! | [`shade`], [`smooth`] | the light that a pixel sees |
 //! | [`range`], [`scale`], [`tone`] | from W/m^2 to display light |
-//! | [`legend`], [`ticks`], [`text`] | the false colours' legend |
+//! | [`legend`], [`ticks`], [`text`], [`number`] | the false colours' legend |
 //! | [`picture`], [`output`] | the finished picture, and files |
 
 pub mod camera;
@@ -18,6 +18,7 @@ pub mod cli;
 pub mod default_camera;
 pub mod kind;
 pub mod legend;
+pub mod number;
 pub mod output;
 pub mod picture;
 pub mod probe;

@@ -7,7 +7,7 @@ fn main() -> ExitCode {
     match display::run(&settings) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error:#}");
+            eprintln!("display: error: {error:#}");
             ExitCode::FAILURE
         }
     }

@@ -8,10 +8,10 @@ use scene::{PatchId, Rgb, Scene, Solution};
 
 use crate::camera::Camera;
 use crate::default_camera::{self, View, Wishes};
-use crate::legend::{self, Layout};
+use crate::legend::{self, Clipped, Layout};
 use crate::range;
 use crate::settings::{Mode, Quantity, RenderSettings, SettingsError, Size};
-use crate::shade::{self, Light, Shading};
+use crate::shade::{self, Light, Seen, Shading};
 use crate::smooth::VertexValues;
 use crate::text::Canvas;
 use crate::tone::{Tone, to_srgb8};
@@ -35,6 +35,8 @@ pub struct Picture {
     pub mapped: DynamicImage,
     /// How values were mapped; `None` in [`Mode::Ids`].
     pub tone: Option<Tone>,
+    /// Fronts and backs of surfaces in the view.
+    pub seen: Seen,
 }
 
 /// Takes a picture.
@@ -74,7 +76,7 @@ pub fn render(
 
     let values = patch_values(scene, solution, settings.quantity);
     let Some(tone) = tone(scene, &values, settings) else {
-        let ids = shade::ids(scene, &camera, view, cull);
+        let (ids, seen) = shade::ids(scene, &camera, view, cull);
         let mapped = ids_image(view, &ids);
         return Ok(Picture {
             camera,
@@ -82,6 +84,7 @@ pub fn render(
             linear: Vec::new(),
             mapped,
             tone: None,
+            seen,
         });
     };
     let shading = if settings.smooth {
@@ -89,7 +92,11 @@ pub fn render(
     } else {
         Shading::flat(&values, &tone)
     };
-    let Light { linear, display } = shade::light(scene, &camera, view, cull, &shading, &tone);
+    let Light {
+        seen,
+        linear,
+        display,
+    } = shade::light(scene, &camera, view, cull, &shading, &tone);
     let mut pixels = widened(display, view, size);
     if settings.mode == Mode::FalseColor
         && let Some(layout) = Layout::inside(size)
@@ -98,7 +105,8 @@ pub fn render(
             pixels: &mut pixels,
             size,
         };
-        legend::draw(&mut canvas, layout, &tone, settings.quantity);
+        let clipped = Clipped::of(&values, tone.scale().range());
+        legend::draw(&mut canvas, layout, &tone, settings.quantity, clipped);
     }
     Ok(Picture {
         camera,
@@ -106,6 +114,7 @@ pub fn render(
         linear,
         mapped: rgb_image(size, &pixels),
         tone: Some(tone),
+        seen,
     })
 }
 

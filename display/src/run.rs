@@ -4,26 +4,27 @@ use std::io::Write;
 use std::path::Path;
 
 use anyhow::Result;
-use scene::{Scene, Solution, export};
+use scene::{Rgb, Scene, Solution, export};
 
+use crate::number;
 use crate::output::{save_exr, save_png};
 use crate::picture::{patch_colors, render};
-use crate::settings::{ExportFormat, ImageFormat, Mode, Quantity, Range, RenderSettings, Settings};
+use crate::settings::{ExportFormat, ImageFormat, Mode, Quantity, RenderSettings, Settings};
+use crate::shade::Seen;
 use crate::tone::Tone;
+
+/// The last residual, dimensionless, from which on a solution is called converged: what is left
+/// then is below what a picture of 8 bits shows.
+const CONVERGED: f64 = 1e-3;
 
 /// Writes the picture and the export that are asked for, and prints a line for each.
 pub fn run(settings: &Settings) -> Result<()> {
     settings.validate()?;
     let (scene, solution) = scene::file::load(&settings.input)?;
-    if solution.is_none() && settings.render.mode != Mode::Ids {
-        let shown = match settings.render.quantity {
-            Quantity::Radiosity => "the radiosity shown is the emission alone",
-            Quantity::Irradiance => "the irradiance shown is 0",
-        };
-        eprintln!(
-            "{}: no solution, {shown}; make one with compute",
-            settings.input.display()
-        );
+    if shows_solution(settings)
+        && let Some(trouble) = trouble(solution.as_ref(), settings.render.quantity)
+    {
+        note(&format!("{}: {trouble}", settings.input.display()));
     }
     if let Some((path, format)) = &settings.out {
         write_picture(path, *format, &scene, solution.as_ref(), &settings.render)?;
@@ -32,6 +33,64 @@ pub fn run(settings: &Settings) -> Result<()> {
         write_export(path, *format, &scene, solution.as_ref(), &settings.render)?;
     }
     Ok(())
+}
+
+/// Whether something of what is asked for comes from the solution.
+fn shows_solution(settings: &Settings) -> bool {
+    let is_colored = settings.render.mode != Mode::Ids;
+    let export = settings.export.as_ref().map(|(_, format)| format);
+    let is_exported = match export {
+        Some(ExportFormat::Csv) => true,
+        Some(ExportFormat::Ply | ExportFormat::Glb) => is_colored,
+        Some(ExportFormat::Obj) | None => false,
+    };
+    is_exported || (settings.out.is_some() && is_colored)
+}
+
+/// What keeps a solution from being one, and what to do.
+fn trouble(solution: Option<&Solution>, quantity: Quantity) -> Option<String> {
+    let shown = match quantity {
+        Quantity::Radiosity => "the radiosity shown is the emission alone",
+        Quantity::Irradiance => "the irradiance shown is 0",
+    };
+    let Some(solution) = solution else {
+        return Some(format!("no solution, {shown}; make one with compute"));
+    };
+    let is_dark = || solution.irradiance.iter().all(|&h| h == Rgb::ZERO);
+    if solution.provenance.iterations == 0 && is_dark() {
+        return Some(format!(
+            "the solution has had 0 iterations, {shown}; go on with compute"
+        ));
+    }
+    let residual = *solution.provenance.residuals.last()?;
+    // A NaN is no convergence either.
+    let is_converged = residual <= CONVERGED;
+    (!is_converged).then(|| {
+        format!(
+            "not converged, the last residual {residual:.1e} is above {CONVERGED:e}; go on with compute"
+        )
+    })
+}
+
+/// What a user should know of what the camera sees, and what to do.
+fn sight(seen: Seen, culls_backs: bool) -> Option<String> {
+    match seen.back_share() {
+        None if culls_backs => Some(
+            "the camera sees no front of a surface, and backs are left out; move it with --eye and --look-at".into(),
+        ),
+        None => Some("the camera sees no surface; move it with --eye and --look-at".into()),
+        Some(share) if share > 0.5 => Some(format!(
+            "{:.0}% of what the camera sees are backs of surfaces, which are black; look from the other side (--eye), leave backs out (--cull-back), or turn the model's faces round (counter-clockwise corners are the front)",
+            // Not 100 as long as there is a front.
+            (100.0 * share).floor()
+        )),
+        Some(_) => None,
+    }
+}
+
+/// One line that is no failure.
+fn note(what: &str) {
+    eprintln!("display: note: {what}");
 }
 
 fn write_picture(
@@ -48,6 +107,9 @@ fn write_picture(
         settings.mode
     };
     let picture = render(scene, solution, &RenderSettings { mode, ..*settings })?;
+    if let Some(sight) = sight(picture.seen, settings.cull_back_faces) {
+        note(&format!("{}: {sight}", path.display()));
+    }
     let (width, height) = (picture.mapped.width(), picture.mapped.height());
     let description = match format {
         ImageFormat::Png => {
@@ -77,7 +139,17 @@ fn write_export(
         ExportFormat::Ply => export::ply::save(path, scene, &colors()?)?,
         ExportFormat::Glb => export::glb::save(path, scene, &colors()?)?,
     }
-    report(path, &format!("{} patches", scene.patch_count()));
+    let patches = format!("{} patches", scene.patch_count());
+    report(
+        path,
+        &match format {
+            ExportFormat::Obj => {
+                let materials = export::obj::material_path(path);
+                format!("{patches}, materials in {}", materials.display())
+            }
+            _ => patches,
+        },
+    );
     Ok(())
 }
 
@@ -91,7 +163,7 @@ fn description(settings: &RenderSettings, tone: Option<&Tone>) -> String {
     let Some(tone) = tone else {
         return "patch IDs".into();
     };
-    let Range { low, high } = tone.scale().range();
+    let [low, high] = number::ends(tone.scale().range());
     format!(
         "{} {}, {low} to {high} W/m^2",
         settings.mode, settings.quantity

@@ -1,6 +1,6 @@
 //! What a run is asked to do: plain, checked values, whatever they were given as.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
@@ -223,12 +223,17 @@ impl Settings {
             .into_iter()
             .flatten()
         {
-            if *path == self.input {
+            if is_same_file(path, &self.input) {
                 return Err(SettingsError::OutputIsInput { path: path.clone() });
             }
         }
         Ok(())
     }
+}
+
+/// Whether two paths name one file, by whatever way.
+fn is_same_file(a: &Path, b: &Path) -> bool {
+    a == b || matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
 /// Settings that cannot be.

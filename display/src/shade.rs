@@ -54,9 +54,35 @@ impl<'a> Shading<'a> {
     }
 }
 
+/// How many rays of a picture met surfaces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Seen {
+    /// From the front.
+    pub fronts: u64,
+    /// From behind; none where backs are not drawn.
+    pub backs: u64,
+}
+
+impl Seen {
+    fn plus(self, other: Self) -> Self {
+        Self {
+            fronts: self.fronts + other.fronts,
+            backs: self.backs + other.backs,
+        }
+    }
+
+    /// Share of the surfaces' rays that met backs, 0 to 1; `None` where no ray met a surface.
+    pub fn back_share(self) -> Option<f64> {
+        let all = self.fronts + self.backs;
+        (all > 0).then(|| self.backs as f64 / all as f64)
+    }
+}
+
 /// A picture of light, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
+    /// What the rays met.
+    pub seen: Seen,
     /// Mean value of each pixel, W/m^2.
     pub linear: Vec<Rgb>,
     /// Mean display light of each pixel.
@@ -75,58 +101,45 @@ pub fn light(
     let pixels = size.width as usize * size.height as usize;
     let mut linear = vec![Rgb::ZERO; pixels];
     let mut display = vec![Rgb::ZERO; pixels];
-    let projection = project(scene, camera, cull);
-    let bands = Bands::new(camera, size, SAMPLES);
+    let bands = Bands::new(scene, camera, size, cull, SAMPLES);
     let samples = SAMPLES as usize;
     let share = 1.0 / (samples * samples) as f32;
-    linear
+    let seen = linear
         .par_chunks_mut(bands.pixels())
         .zip(display.par_chunks_mut(bands.pixels()))
         .enumerate()
-        .for_each_init(Raster::default, |raster, (band, (linear, display))| {
-            bands.draw(raster, &projection, band);
-            bands.for_each_sample(raster, &projection, band, |pixel, sample| {
-                if let Sample::Front {
-                    surface,
-                    barycentric,
-                    ..
-                } = sample
-                {
-                    let (patch, local) = scene.mesh().locate(surface, barycentric);
-                    let [value, light] = shading.at(patch, local, tone);
-                    linear[pixel] += value;
-                    display[pixel] += light;
-                }
+        .map_init(Raster::default, |raster, (band, (linear, display))| {
+            let seen = bands.for_each_front(raster, band, |pixel, patch, local| {
+                let [value, light] = shading.at(patch, local, tone);
+                linear[pixel] += value;
+                display[pixel] += light;
             });
             for pixel in linear.iter_mut().chain(display.iter_mut()) {
                 *pixel *= share;
             }
-        });
-    Light { linear, display }
+            seen
+        })
+        .reduce(Seen::default, Seen::plus);
+    Light {
+        seen,
+        linear,
+        display,
+    }
 }
 
 /// The patch that the middle of each pixel sees, row by row from the top; `None` where there is
-/// none or the back of one.
-pub fn ids(scene: &Scene, camera: &Camera, size: Size, cull: Cull) -> Vec<Option<PatchId>> {
+/// none or the back of one. And what these rays met.
+pub fn ids(scene: &Scene, camera: &Camera, size: Size, cull: Cull) -> (Vec<Option<PatchId>>, Seen) {
     let mut ids = vec![None; size.width as usize * size.height as usize];
-    let projection = project(scene, camera, cull);
-    let bands = Bands::new(camera, size, 1);
-    ids.par_chunks_mut(bands.pixels())
+    let bands = Bands::new(scene, camera, size, cull, 1);
+    let seen = ids
+        .par_chunks_mut(bands.pixels())
         .enumerate()
-        .for_each_init(Raster::default, |raster, (band, ids)| {
-            bands.draw(raster, &projection, band);
-            bands.for_each_sample(raster, &projection, band, |pixel, sample| {
-                if let Sample::Front {
-                    surface,
-                    barycentric,
-                    ..
-                } = sample
-                {
-                    ids[pixel] = Some(scene.mesh().locate(surface, barycentric).0);
-                }
-            });
-        });
-    ids
+        .map_init(Raster::default, |raster, (band, ids)| {
+            bands.for_each_front(raster, band, |pixel, patch, _| ids[pixel] = Some(patch))
+        })
+        .reduce(Seen::default, Seen::plus);
+    (ids, seen)
 }
 
 fn project(scene: &Scene, camera: &Camera, cull: Cull) -> Projection {
@@ -143,7 +156,9 @@ fn project(scene: &Scene, camera: &Camera, cull: Cull) -> Projection {
 }
 
 /// A picture as bands of rows, from the top.
-struct Bands {
+struct Bands<'a> {
+    scene: &'a Scene,
+    projection: Projection,
     window: Window,
     /// Rays a pixel along each direction.
     samples: usize,
@@ -155,11 +170,13 @@ struct Bands {
     height: usize,
 }
 
-impl Bands {
-    fn new(camera: &Camera, size: Size, samples: u32) -> Self {
+impl<'a> Bands<'a> {
+    fn new(scene: &'a Scene, camera: &Camera, size: Size, cull: Cull, samples: u32) -> Self {
         let window = camera.window(size, samples);
         let samples = samples as usize;
         Self {
+            scene,
+            projection: project(scene, camera, cull),
             window,
             samples,
             width: size.width as usize,
@@ -177,7 +194,7 @@ impl Bands {
         self.rows.min(self.height - band * self.rows)
     }
 
-    fn draw(&self, raster: &mut Raster, projection: &Projection, band: usize) {
+    fn draw(&self, raster: &mut Raster, band: usize) {
         let rows = self.rows_of(band);
         // A window's rows run upwards.
         let below = (self.height - band * self.rows - rows) * self.samples;
@@ -186,26 +203,38 @@ impl Bands {
             height: rows * self.samples,
             ..self.window
         };
-        raster.draw(projection, &window);
+        raster.draw(&self.projection, &window);
     }
 
-    /// Hands out what each ray sees, with its pixel's index in the band.
-    fn for_each_sample(
+    /// Draws a band, and hands out the patch and the place in it that each ray meets from the
+    /// front, with its pixel's index in the band.
+    fn for_each_front(
         &self,
-        raster: &Raster,
-        projection: &Projection,
+        raster: &mut Raster,
         band: usize,
-        mut take: impl FnMut(usize, Sample),
-    ) {
+        mut take: impl FnMut(usize, PatchId, [f32; 3]),
+    ) -> Seen {
+        self.draw(raster, band);
+        let mut seen = Seen::default();
         let height = self.rows_of(band) * self.samples;
         for j in 0..height {
             let row = (height - 1 - j) / self.samples;
             for i in 0..self.width * self.samples {
-                take(
-                    row * self.width + i / self.samples,
-                    raster.sample(projection, i, j),
-                );
+                match raster.sample(&self.projection, i, j) {
+                    Sample::Nothing => {}
+                    Sample::BackFace(_) => seen.backs += 1,
+                    Sample::Front {
+                        surface,
+                        barycentric,
+                        ..
+                    } => {
+                        seen.fronts += 1;
+                        let (patch, local) = self.scene.mesh().locate(surface, barycentric);
+                        take(row * self.width + i / self.samples, patch, local);
+                    }
+                }
             }
         }
+        seen
     }
 }

@@ -1,5 +1,6 @@
 //! Where a legend's ticks stand, and what they say: round numbers 1, 2 and 5 times powers of ten.
 
+use crate::number::with_digits;
 use crate::scale::Scale;
 
 /// A tick of a scale.
@@ -97,13 +98,9 @@ fn linear(scale: &Scale, max_labels: usize) -> Vec<Tick> {
         .collect()
 }
 
-/// A number as short as it reads well.
+/// All digits that a tick can need, without those of f64's rounding.
 fn label(value: f64) -> String {
-    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
-        format!("{value}")
-    } else {
-        format!("{value:e}")
-    }
+    with_digits(value, 12)
 }
 
 #[cfg(test)]
@@ -162,6 +159,23 @@ mod tests {
         assert_eq!(labels(&scale, 8), ["0.2", "0.5", "1", "2", "5", "10", "20"]);
         assert_eq!(labels(&scale, 6), ["0.3", "1", "3", "10"]);
         assert_eq!(labels(&scale, 3), ["1", "10"]);
+    }
+
+    #[test]
+    fn labels_of_extreme_ranges_are_short() {
+        for (low, high) in [
+            (1e-30, 1e30),
+            (2e-31, 7e-30),
+            (1.5e29, 1.2e30),
+            (1e-38, 1e38),
+        ] {
+            let range = Range { low, high };
+            for scale in [Scale::logarithmic(range), Scale::linear(range)] {
+                for label in labels(&scale, 8) {
+                    assert!(label.len() <= "2.5e-30".len(), "{label}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -100,6 +100,7 @@ fn wrong_usage_exits_with_2_and_writes_nothing() {
     ] {
         let [out, err] = run(folder.path(), arguments, 2);
         assert!(err.contains(said), "display {arguments}: {err}");
+        assert!(err.starts_with("display: error: "), "{err}");
         assert!(out.is_empty());
     }
     assert_eq!(names(folder.path()), before);
@@ -125,6 +126,9 @@ fn files_that_cannot_be_read_or_written_exit_with_1_and_leave_nothing() {
             err.contains(said) && err.lines().count() == 1,
             "display {arguments}: {err}"
         );
+        assert!(err.starts_with("display: error: "), "{err}");
+        // The file that was asked for, and no temporary one.
+        assert!(!err.contains(".tmp"), "{err}");
         assert!(out.is_empty(), "{out}");
     }
     assert_eq!(names(folder.path()), before);
@@ -180,7 +184,7 @@ fn file_without_a_solution_shows_its_emission_and_says_so() {
     let folder = folder();
     let [_, err] = run(folder.path(), "unsolved --out a.png --size 64x48", 0);
     assert!(
-        err.contains("no solution") && err.lines().count() == 1,
+        err.starts_with("display: note: unsolved: no solution") && err.lines().count() == 1,
         "{err}"
     );
     let picture = image::open(folder.path().join("a.png")).unwrap().to_rgb8();
@@ -199,4 +203,149 @@ fn same_arguments_give_the_same_bytes() {
         std::fs::read(folder.path().join(name)).unwrap()
     };
     assert!(bytes("a.png") == bytes("b.png"));
+}
+
+/// The room turned inside out: every surface shows its back.
+fn inside_out(folder: &Path) {
+    let (scene, solution) = lit_room();
+    let surfaces = scene.surfaces().iter().map(|s| {
+        let [a, b, c] = s.corners;
+        scene::Surface {
+            corners: [b, a, c],
+            ..*s
+        }
+    });
+    let depths: Vec<u32> = scene.mesh().trees().iter().map(|t| t.depth).collect();
+    let turned = scene::Scene::new(
+        scene.materials().to_vec(),
+        scene.objects().to_vec(),
+        surfaces.collect(),
+        &depths,
+        scene.origin(),
+    );
+    scene::file::save(&folder.join("turned"), &turned.unwrap(), Some(&solution)).unwrap();
+}
+
+#[test]
+fn picture_of_backs_or_of_nothing_says_what_to_do() {
+    let folder = folder();
+    inside_out(folder.path());
+    let view = "--out a.png --size 64x48 --eye 0,1.5,4 --look-at 0,1.5,-5";
+    for (file, more, said) in [
+        ("room", "", ""),
+        ("room", "--cull-back", ""),
+        ("turned", "", "--cull-back"),
+        ("turned", "--mode ids", "--cull-back"),
+        (
+            "turned",
+            "--eye 0,1.5,-1 --look-at 0,3,-1 --cull-back",
+            "no front",
+        ),
+        ("room", "--look-at 0,1.5,90", "no surface"),
+    ] {
+        // What is given again is left out of the view.
+        let mut view = view.to_owned();
+        for option in ["--eye 0,1.5,4", "--look-at 0,1.5,-5"] {
+            if more.contains(&option[..5]) {
+                view = view.replace(option, "");
+            }
+        }
+        let [_, err] = run(folder.path(), &format!("{file} {view} {more}"), 0);
+        assert_eq!(err.is_empty(), said.is_empty(), "{file} {more}: {err}");
+        if !said.is_empty() {
+            assert!(err.starts_with("display: note: a.png: "), "{err}");
+            assert!(err.contains(said) && err.lines().count() == 1, "{err}");
+        }
+    }
+}
+
+#[test]
+fn solution_that_is_not_finished_is_noted_where_it_is_shown() {
+    let folder = folder();
+    let (scene, good) = lit_room();
+    let save = |name: &str, iterations: u64, residuals: &[f64], irradiance: Vec<scene::Rgb>| {
+        let mut solution = good.clone();
+        solution.irradiance = irradiance;
+        solution.provenance.iterations = iterations;
+        solution.provenance.residuals = residuals.to_vec();
+        scene::file::save(&folder.path().join(name), &scene, Some(&solution)).unwrap();
+    };
+    let dark = scene::Solution::dark(&scene).irradiance;
+    save("fresh", 0, &[], dark.clone());
+    save("coarse", 2, &[0.5, 0.02], good.irradiance.clone());
+    save("odd", 1, &[f64::NAN], good.irradiance.clone());
+    save("good", 2, &[0.5, 1e-3], good.irradiance.clone());
+    save("changed", 2, &[], good.irradiance.clone());
+    for (file, said) in [
+        ("unsolved", "no solution"),
+        ("fresh", "0 iterations"),
+        ("coarse", "the last residual 2.0e-2 is above 1e-3"),
+        ("odd", "the last residual NaN"),
+        ("good", ""),
+        ("changed", ""),
+    ] {
+        for output in [
+            "--out a.png --size 64x48",
+            "--export a.csv",
+            "--export a.ply",
+        ] {
+            let [_, err] = run(folder.path(), &format!("{file} {output}"), 0);
+            assert_eq!(err.lines().count(), usize::from(!said.is_empty()), "{err}");
+            if !said.is_empty() {
+                let start = format!("display: note: {file}: ");
+                assert!(err.starts_with(&start) && err.contains(said), "{err}");
+            }
+        }
+        for output in [
+            "c --out a.png --size 64x48",
+            "--export a.obj",
+            "c --export a.ply",
+        ] {
+            let [_, err] = run(folder.path(), &format!("{file} {output}"), 0);
+            assert!(err.is_empty(), "{file} {output}: {err}");
+        }
+    }
+}
+
+#[test]
+fn materials_that_no_export_has_written_are_not_replaced() {
+    let folder = folder();
+    let mtl = folder.path().join("a.mtl");
+    let [out, _] = run(folder.path(), "room --export a.obj", 0);
+    assert_eq!(out, "a.obj: 2946 patches, materials in a.mtl\n");
+    // Its own one it may replace.
+    run(folder.path(), "room --export a.obj", 0);
+    std::fs::write(&mtl, "newmtl mine\nKd 0.5 0.5 0.5\n").unwrap();
+    std::fs::remove_file(folder.path().join("a.obj")).unwrap();
+    let before = names(folder.path());
+    let [out, err] = run(folder.path(), "room --export a.obj", 1);
+    assert!(out.is_empty());
+    assert!(
+        err.starts_with("display: error: a.mtl: ") && err.contains("choose another name"),
+        "{err}"
+    );
+    assert_eq!(names(folder.path()), before);
+    assert!(std::fs::read_to_string(&mtl).unwrap().contains("mine"));
+    // A scene may have any name.
+    std::fs::rename(folder.path().join("room"), &mtl).unwrap();
+    let scene = std::fs::read(&mtl).unwrap();
+    run(folder.path(), "a.mtl --export a.obj", 1);
+    assert_eq!(std::fs::read(&mtl).unwrap(), scene);
+}
+
+#[test]
+fn output_that_is_the_input_by_another_name_is_refused() {
+    let folder = folder();
+    std::fs::rename(folder.path().join("room"), folder.path().join("room.csv")).unwrap();
+    let before = std::fs::read(folder.path().join("room.csv")).unwrap();
+    for other in ["./room.csv", "../X/room.csv"] {
+        let name = folder.path().file_name().unwrap().to_str().unwrap();
+        let other = other.replace('X', name);
+        let [_, err] = run(folder.path(), &format!("room.csv --export {other}"), 2);
+        assert!(err.contains("is the input"), "{err}");
+    }
+    assert_eq!(
+        std::fs::read(folder.path().join("room.csv")).unwrap(),
+        before
+    );
 }
