@@ -110,7 +110,8 @@ fn every_model_goes_through_all_programs() {
         if model != "cornell" {
             assert!(number("/closure/min") > 1.0 - 1e-3, "{model}: {report}");
         }
-        assert!(number("/closure/max") <= 1.0, "{model}: {report}");
+        // Form factors are rounded to half of 2^-24 of themselves.
+        assert!(number("/closure/max") < 1.0 + 6e-8, "{model}: {report}");
     }
 }
 
