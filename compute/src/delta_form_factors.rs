@@ -36,6 +36,9 @@ pub struct DeltaFormFactors {
     top: Vec<u32>,
     /// R x R/2, rows from the horizon up; the same for all four sides.
     side: Vec<u32>,
+    /// Sums along the rows, R + 1 a row: of the pixels before each.
+    top_sums: Vec<u32>,
+    side_sums: Vec<u32>,
 }
 
 impl DeltaFormFactors {
@@ -49,10 +52,13 @@ impl DeltaFormFactors {
         };
         let side_units = (f64::from(units_per_hemicube) * side.iter().sum::<f64>()).round() as u64;
         let top_units = u64::from(units_per_hemicube) - 4 * side_units;
+        let (top, side) = (quantise(&top, top_units), quantise(&side, side_units));
         Self {
             resolution,
-            top: quantise(&top, top_units),
-            side: quantise(&side, side_units),
+            top_sums: sums(&top, size),
+            side_sums: sums(&side, size),
+            top,
+            side,
         }
     }
 
@@ -65,6 +71,31 @@ impl DeltaFormFactors {
     pub fn face(&self, face: usize) -> &[u32] {
         if face == 0 { &self.top } else { &self.side }
     }
+
+    /// Row j of a face as sums of the pixels before each, R + 1 of them: differences are sums over runs of pixels.
+    pub fn row_sums(&self, face: usize, j: usize) -> &[u32] {
+        let sums = if face == 0 {
+            &self.top_sums
+        } else {
+            &self.side_sums
+        };
+        let stride = self.resolution as usize + 1;
+        &sums[j * stride..][..stride]
+    }
+}
+
+/// Sums of the values before each place in rows of `size`, the place after the last included.
+fn sums(values: &[u32], size: usize) -> Vec<u32> {
+    values
+        .chunks_exact(size)
+        .flat_map(|row| {
+            let mut sum = 0;
+            std::iter::once(0).chain(row.iter().map(move |value| {
+                sum += value;
+                sum
+            }))
+        })
+        .collect()
 }
 
 /// The closed forms, for the top and one side.

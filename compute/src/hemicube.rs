@@ -68,15 +68,20 @@ impl Frame {
         vector.x * self.tangent + vector.y * self.bitangent + vector.z * self.normal
     }
 
+    /// A vector of the scene in this frame.
+    #[inline]
+    pub fn vector_to_local(&self, vector: DVec3) -> DVec3 {
+        DVec3::new(
+            vector.dot(self.tangent),
+            vector.dot(self.bitangent),
+            vector.dot(self.normal),
+        )
+    }
+
     /// A point in this frame: along tangent, bitangent and normal, metres.
     #[inline]
     pub fn to_local(&self, point: DVec3) -> DVec3 {
-        let offset = point - self.position;
-        DVec3::new(
-            offset.dot(self.tangent),
-            offset.dot(self.bitangent),
-            offset.dot(self.normal),
-        )
+        self.vector_to_local(point - self.position)
     }
 }
 

@@ -20,10 +20,12 @@
 mod point_count;
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 use scene::{PatchId, Scene};
 
+use crate::cpu::Drawable;
 use crate::delta_form_factors::DeltaFormFactors;
 use crate::hemicube::{Frame, turn};
 use crate::rows::UNITS_PER_ONE;
@@ -84,7 +86,7 @@ impl Rule {
 /// All hemicubes of a scene.
 #[derive(Debug)]
 pub struct Hemicubes<'a> {
-    scene: &'a Scene,
+    drawable: Arc<Drawable<'a>>,
     settings: FormFactorSettings,
     /// Where patches have different rules: the number of each patch's first hemicube, then that of all.
     firsts: Option<Vec<u32>>,
@@ -97,7 +99,7 @@ impl<'a> Hemicubes<'a> {
     /// threads of the rayon pool it is called in.
     pub fn new(scene: &'a Scene, settings: FormFactorSettings) -> Self {
         let mut hemicubes = Self {
-            scene,
+            drawable: Arc::new(Drawable::new(scene)),
             settings,
             firsts: (settings.points == Points::Auto).then(|| point_count::firsts(scene)),
             delta_form_factors: BTreeMap::new(),
@@ -121,7 +123,12 @@ impl<'a> Hemicubes<'a> {
 
     /// The scene they stand in.
     pub fn scene(&self) -> &'a Scene {
-        self.scene
+        self.drawable.scene()
+    }
+
+    /// What item buffers draw of it.
+    pub fn drawable(&self) -> &Arc<Drawable<'a>> {
+        &self.drawable
     }
 
     /// What was asked for.
@@ -145,7 +152,7 @@ impl<'a> Hemicubes<'a> {
 
     /// How many hemicubes there are.
     pub fn total(&self) -> u64 {
-        self.first(PatchId(self.scene.patch_count()))
+        self.first(PatchId(self.scene().patch_count()))
     }
 
     /// What the pixels of a patch that has `count` hemicubes count.
@@ -165,8 +172,8 @@ impl<'a> Hemicubes<'a> {
 
     /// Where the hemicubes of a patch stand; its form factors are the mean over them.
     pub fn frames(&self, patch: PatchId) -> Vec<Frame> {
-        let geometry = self.scene.patch(patch);
-        let normal = self.scene.surface(geometry.surface).normal();
+        let geometry = self.scene().patch(patch);
+        let normal = self.scene().surface(geometry.surface).normal();
         let points = self
             .rule(patch)
             .points(geometry.corners.map(Vec3::as_dvec3));

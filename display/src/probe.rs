@@ -1,6 +1,8 @@
 //! Small item buffers, to find out what there is to see from a point.
 
-use compute::cpu::{Cull, Projection, Raster, Sample, plane_tolerance};
+use std::sync::Arc;
+
+use compute::cpu::{Cull, Drawable, Projection, Raster, Sample};
 use compute::hemicube::Window;
 use glam::DVec3;
 use scene::Scene;
@@ -10,9 +12,7 @@ use crate::camera::frame_at;
 /// An eye that can look about; one a thread.
 #[derive(Debug)]
 pub struct Probe<'a> {
-    scene: &'a Scene,
-    plane_tolerance: f64,
-    projection: Projection,
+    projection: Projection<'a>,
     raster: Raster,
 }
 
@@ -31,9 +31,7 @@ impl<'a> Probe<'a> {
     /// A probe in a scene.
     pub fn new(scene: &'a Scene) -> Self {
         Self {
-            scene,
-            plane_tolerance: plane_tolerance(scene),
-            projection: Projection::default(),
+            projection: Projection::new(&Arc::new(Drawable::new(scene))),
             raster: Raster::default(),
         }
     }
@@ -41,8 +39,7 @@ impl<'a> Probe<'a> {
     /// Moves the eye, metres, relative to the scene's origin.
     pub fn set_eye(&mut self, eye: DVec3, cull: Cull) {
         let frame = frame_at(eye);
-        self.projection
-            .set(self.scene, &frame, None, false, cull, self.plane_tolerance);
+        self.projection.set(&frame, None, false, cull);
     }
 
     /// Looks through a window, whose directions are the world's.

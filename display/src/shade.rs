@@ -6,7 +6,9 @@
 //! pixel's samples are summed in a fixed order, so a picture does not depend on the number of
 //! threads.
 
-use compute::cpu::{Cull, Projection, Raster, Sample, plane_tolerance};
+use std::sync::Arc;
+
+use compute::cpu::{Cull, Drawable, Projection, Raster, Sample};
 use compute::hemicube::Window;
 use rayon::prelude::*;
 use scene::{PatchId, Rgb, Scene};
@@ -142,23 +144,16 @@ pub fn ids(scene: &Scene, camera: &Camera, size: Size, cull: Cull) -> (Vec<Optio
     (ids, seen)
 }
 
-fn project(scene: &Scene, camera: &Camera, cull: Cull) -> Projection {
-    let mut projection = Projection::default();
-    projection.set(
-        scene,
-        &camera.frame(),
-        None,
-        false,
-        cull,
-        plane_tolerance(scene),
-    );
+fn project<'a>(scene: &'a Scene, camera: &Camera, cull: Cull) -> Projection<'a> {
+    let mut projection = Projection::new(&Arc::new(Drawable::new(scene)));
+    projection.set(&camera.frame(), None, false, cull);
     projection
 }
 
 /// A picture as bands of rows, from the top.
 struct Bands<'a> {
     scene: &'a Scene,
-    projection: Projection,
+    projection: Projection<'a>,
     window: Window,
     /// Rays a pixel along each direction.
     samples: usize,

@@ -7,7 +7,7 @@
 
 use scene::{ObjectId, PatchId, Scene, SurfaceId};
 
-use crate::cpu::{Cull, Projection, Raster, Sample, plane_tolerance};
+use crate::cpu::{Cull, Projection, Raster, Sample};
 use crate::hemicube;
 use crate::hemicubes::Hemicubes;
 use crate::interrupt;
@@ -34,8 +34,8 @@ pub(super) fn culprit(hemicubes: &Hemicubes, loss: Loss, worst: &[(usize, f64)])
         loss,
         shares: vec![0; scene.objects().len()],
     };
-    let tolerance = plane_tolerance(scene);
-    let (mut projection, mut raster) = (Projection::default(), Raster::default());
+    let mut projection = Projection::new(hemicubes.drawable());
+    let mut raster = Raster::default();
     let mut pixels = 0;
     // To set a surface up takes a few times as long as to fill a pixel.
     let work = hemicube::pixel_count(resolution) + 8 * scene.surfaces().len();
@@ -49,7 +49,7 @@ pub(super) fn culprit(hemicubes: &Hemicubes, loss: Loss, worst: &[(usize, f64)])
                 break 'patches;
             }
             pixels += work;
-            projection.set(scene, &frame, Some(own), true, Cull::Nothing, tolerance);
+            projection.set(&frame, Some(own), true, Cull::Nothing);
             let windows = hemicube::windows(resolution);
             for (face, window) in windows.iter().enumerate() {
                 raster.draw(&projection, window);

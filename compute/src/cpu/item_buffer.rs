@@ -1,8 +1,10 @@
 //! A whole hemicube's item buffer: which patch each pixel sees.
 
+use std::sync::Arc;
+
 use scene::{NO_PATCH, PatchId, Scene};
 
-use super::{Cull, Projection, Raster};
+use super::{Cull, Drawable, Projection, Raster};
 use crate::hemicube::{self, Frame, Window};
 
 /// A pixel that sees nothing: [`NO_PATCH`].
@@ -15,19 +17,17 @@ pub const BACK_FACE: u32 = 1 << 24 | NO_PATCH.0;
 pub struct HemicubeDrawer<'a> {
     scene: &'a Scene,
     windows: [Window; 5],
-    plane_tolerance: f64,
-    projection: Projection,
+    projection: Projection<'a>,
     raster: Raster,
 }
 
 impl<'a> HemicubeDrawer<'a> {
     /// A drawer of hemicubes of this resolution.
-    pub fn new(scene: &'a Scene, resolution: u32) -> Self {
+    pub fn new(drawable: &Arc<Drawable<'a>>, resolution: u32) -> Self {
         Self {
-            scene,
+            scene: drawable.scene(),
             windows: hemicube::windows(resolution),
-            plane_tolerance: super::plane_tolerance(scene),
-            projection: Projection::default(),
+            projection: Projection::new(drawable),
             raster: Raster::default(),
         }
     }
@@ -42,16 +42,9 @@ impl<'a> HemicubeDrawer<'a> {
         mut take: impl FnMut(usize, usize, &[u32]),
     ) {
         let own = self.scene.mesh().surface_of(patch);
-        self.projection.set(
-            self.scene,
-            frame,
-            Some(own),
-            true,
-            Cull::Nothing,
-            self.plane_tolerance,
-        );
+        self.projection.set(frame, Some(own), true, Cull::Nothing);
         for (face, window) in self.windows.iter().enumerate() {
-            self.raster.draw(&self.projection, window);
+            self.raster.draw_face(&self.projection, face, window);
             self.raster
                 .for_each_row(&self.projection, nothing, back_face, |row, ids| {
                     take(face, row, ids);

@@ -1,11 +1,15 @@
 //! The cpu back end: hemicubes drawn on all cores, in plain Rust. The readable twin of [`crate::gpu`].
 
+mod drawable;
 pub mod item_buffer;
 mod look_up;
 mod projection;
 mod raster;
+pub mod regions;
 pub mod rows;
+mod runs;
 
+pub use drawable::Drawable;
 pub use projection::{COORDINATE_ULPS, Cull, Projection, is_in_plane, plane_tolerance, reach};
 pub use raster::{Raster, Sample};
 pub use rows::CpuRows;

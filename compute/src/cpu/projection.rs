@@ -19,9 +19,15 @@
 // be for the baseline instruction set.
 #![allow(clippy::inline_always)]
 
+use std::ops::Range;
+use std::sync::Arc;
+
+use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd_macros::simd;
 use glam::{DVec3, Vec3};
 use scene::{Scene, Surface, SurfaceId};
 
+use super::drawable::Drawable;
 use crate::hemicube::{Frame, Window};
 
 /// Back faces are drawn this much too deep, so that a pixel on the silhouette of a solid, where a
@@ -38,29 +44,46 @@ pub enum Cull {
     BackFaces,
 }
 
-/// A surface as seen from one eye, in the eye's frame.
+/// A convex piece of a region as seen from one eye, in the eye's frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Projected {
-    /// e_k(d) = edges[k] . d; at least 0 inside, k-th barycentric coordinate up to a factor.
-    pub edges: [DVec3; 3],
-    /// How far below 0 each e_k may be inside, for directions d no longer than sqrt(3).
-    pub margins: [f64; 3],
+    /// Its corners and edges in [`Projection`]'s lists.
+    pub first: u32,
+    pub end: u32,
     /// 1/w = inverse_depth . d, 1/m.
     pub inverse_depth: DVec3,
-    /// Relative to the eye, metres.
-    pub corners: [DVec3; 3],
-    pub surface: SurfaceId,
-    /// Its bisection tree's first patch and depth.
-    pub first_patch: u32,
-    pub depth: u32,
+    /// The region it is part of.
+    pub region: u32,
     /// True where the eye is behind it.
     pub is_back_face: bool,
+    /// Bits that all its corners have in common, see [`outside_bits`].
+    pub outside: u32,
 }
 
-/// All surfaces that an eye can see, set up for drawing into any window of its frame.
-#[derive(Clone, Debug, Default)]
-pub struct Projection {
-    pub(super) surfaces: Vec<Projected>,
+/// The edge from one corner of a piece to the next.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Edge {
+    /// e(d) = across . d is at least 0 inside.
+    pub across: DVec3,
+    /// How far below 0 it may be inside, for directions d no longer than sqrt(3).
+    pub margin: f64,
+}
+
+/// All that an eye can see, set up for drawing into any window of its frame.
+#[derive(Clone, Debug)]
+pub struct Projection<'a> {
+    pub(super) drawable: Arc<Drawable<'a>>,
+    level: Level,
+    frame: Frame,
+    pub(super) pieces: Vec<Projected>,
+    /// Of all pieces, relative to the eye, metres.
+    pub(super) corners: Vec<DVec3>,
+    /// The k-th one ends at the k-th corner.
+    pub(super) edges: Vec<Edge>,
+    /// All vertices of the scene, axis after axis, relative to the eye, metres.
+    vertices: [Vec<f64>; 3],
+    /// See [`outside_bits`]; one per vertex.
+    outside: Vec<u32>,
 }
 
 /// Units in the last place (2^-24 relative) by which f32 coordinates are taken to be uncertain.
@@ -88,101 +111,284 @@ pub fn reach(surface: &Surface) -> DVec3 {
     p0.max(p1).max(p2).as_dvec3()
 }
 
-impl Projection {
-    /// Sets up all surfaces but `own`, which the eye lies on. `tolerance` is [`plane_tolerance`]: surfaces
-    /// at or below the horizon (z = 0 in the frame, if `horizon`) or edge-on within rounding
-    /// ([`is_in_plane`]) are left out.
-    pub fn set(
-        &mut self,
-        scene: &Scene,
-        frame: &Frame,
-        own: Option<SurfaceId>,
-        horizon: bool,
-        cull: Cull,
-        tolerance: f64,
-    ) {
-        let all = (0..scene.surfaces().len() as u32)
-            .map(SurfaceId)
-            .filter(|&id| own != Some(id));
-        self.set_some(scene, frame, own, all, horizon, cull, tolerance);
+/// The sides of the hemicube's faces and the horizon, each a bit that is set where a point is beyond it: where it is outside of
+/// the faces of [`OUTSIDE_OF_FACE`]. What has a bit set for all its corners is outside altogether.
+#[inline(always)]
+fn outside_bits(x: f64, y: f64, z: f64) -> u32 {
+    let bit = |is_set: bool, k: u32| u32::from(is_set) << k;
+    bit(z <= 0.0, 0)
+        | bit(x <= 0.0, 1)
+        | bit(x >= 0.0, 2)
+        | bit(y <= 0.0, 3)
+        | bit(y >= 0.0, 4)
+        | bit(x > z, 5)
+        | bit(-x > z, 6)
+        | bit(y > z, 7)
+        | bit(-y > z, 8)
+        | bit(x < z, 9)
+        | bit(-x < z, 10)
+        | bit(y < z, 11)
+        | bit(-y < z, 12)
+        | bit(y > x, 13)
+        | bit(y < x, 14)
+        | bit(y > -x, 15)
+        | bit(y < -x, 16)
+}
+
+/// At or below the horizon.
+const BELOW_HORIZON: u32 = 1;
+
+/// By the faces of [`crate::hemicube::windows`]: the bits that mean that a point cannot be seen there.
+pub(super) const OUTSIDE_OF_FACE: [u32; 5] = [
+    1 << 0 | 1 << 5 | 1 << 6 | 1 << 7 | 1 << 8,
+    1 << 0 | 1 << 1 | 1 << 9 | 1 << 13 | 1 << 16,
+    1 << 0 | 1 << 3 | 1 << 11 | 1 << 14 | 1 << 16,
+    1 << 0 | 1 << 2 | 1 << 10 | 1 << 14 | 1 << 15,
+    1 << 0 | 1 << 4 | 1 << 12 | 1 << 13 | 1 << 15,
+];
+
+impl<'a> Projection<'a> {
+    /// A projection that nothing is in.
+    pub fn new(drawable: &Arc<Drawable<'a>>) -> Self {
+        let count = drawable.vertices[0].len();
+        Self {
+            drawable: Arc::clone(drawable),
+            level: Level::new(),
+            frame: Frame {
+                position: DVec3::ZERO,
+                tangent: DVec3::X,
+                bitangent: DVec3::Y,
+                normal: DVec3::Z,
+            },
+            pieces: Vec::new(),
+            corners: Vec::new(),
+            edges: Vec::new(),
+            vertices: [(); 3].map(|()| vec![0.0; count]),
+            outside: vec![0; count],
+        }
     }
 
-    /// The same for some surfaces only; `own` is the eye's.
-    #[expect(clippy::too_many_arguments, reason = "each is a fact about one eye")]
+    /// Sets up all that can be seen; `own` is the surface that the eye lies on, if any. What is at or below
+    /// the horizon (z = 0 in the frame, if `horizon`) or edge-on within rounding ([`is_in_plane`]) is left
+    /// out.
+    pub fn set(&mut self, frame: &Frame, own: Option<SurfaceId>, horizon: bool, cull: Cull) {
+        let drawable = Arc::clone(&self.drawable);
+        let Self {
+            level,
+            vertices: [x, y, z],
+            outside,
+            ..
+        } = self;
+        let from = drawable.vertices.each_ref().map(Vec::as_slice);
+        dispatch!(*level, simd => to_local(simd, frame, from, [x, y, z], outside));
+        self.start(frame);
+        let own = own.map(|own| drawable.region_of(own));
+        dispatch!(self.level, simd => set_regions(
+            simd, self, own, 0..drawable.facts.len() as u32, horizon, cull
+        ));
+    }
+
+    /// The same for some regions only, which `own`, the eye's, is not among.
     pub fn set_some(
         &mut self,
-        scene: &Scene,
         frame: &Frame,
         own: Option<SurfaceId>,
-        surfaces: impl Iterator<Item = SurfaceId>,
+        regions: impl Iterator<Item = u32>,
         horizon: bool,
         cull: Cull,
-        tolerance: f64,
     ) {
-        self.surfaces.clear();
-        let eye_reach = own.map_or(frame.position.abs(), |own| reach(scene.surface(own)));
-        for id in surfaces {
-            let surface = scene.surface(id);
-            let [q0, q1, q2] = surface.corners.map(|p| frame.to_local(p.as_dvec3()));
-            let in_plane = |height: f64, normal: DVec3| {
-                is_in_plane(height, tolerance, normal, reach(surface).max(eye_reach))
+        self.start(frame);
+        let drawable = Arc::clone(&self.drawable);
+        let own = own.map(|own| drawable.region_of(own));
+        for region in regions {
+            for piece in drawable.regions().regions()[region as usize].pieces.clone() {
+                for &vertex in drawable.regions().corners(piece as usize) {
+                    let vertex = vertex as usize;
+                    let [x, y, z] = &drawable.vertices;
+                    let q = frame.to_local(DVec3::new(x[vertex], y[vertex], z[vertex]));
+                    for (axis, value) in self.vertices.iter_mut().zip(q.to_array()) {
+                        axis[vertex] = value;
+                    }
+                    self.outside[vertex] = outside_bits(q.x, q.y, q.z);
+                }
+            }
+            dispatch!(self.level, simd => set_regions(
+                simd, self, own, region..region + 1, horizon, cull
+            ));
+        }
+    }
+
+    fn start(&mut self, frame: &Frame) {
+        self.frame = *frame;
+        self.pieces.clear();
+        self.corners.clear();
+        self.edges.clear();
+    }
+
+    /// Largest magnitude of the coordinates by which the eye's plane is known, metres.
+    fn eye_reach(&self, own: Option<u32>) -> DVec3 {
+        own.map_or(self.frame.position.abs(), |own| {
+            self.drawable.facts[own as usize].reach
+        })
+    }
+
+    /// Sets up the pieces of a region, whose vertices are in the frame.
+    #[inline(always)]
+    fn set_region(&mut self, region: u32, eye_reach: DVec3, horizon: bool, cull: Cull) {
+        let Self {
+            drawable,
+            frame,
+            pieces,
+            corners,
+            edges,
+            vertices: [x, y, z],
+            outside,
+            ..
+        } = self;
+        let facts = &drawable.facts[region as usize];
+        let tolerance = drawable.plane_tolerance;
+        // Distance of the eye from the plane, negative in front.
+        let distance = facts.offset - facts.normal.dot(frame.position);
+        let in_plane = |height: f64, normal: DVec3| {
+            height <= tolerance
+                && is_in_plane(height, tolerance, normal, facts.reach.max(eye_reach))
+        };
+        let is_back_face = distance > 0.0;
+        if is_back_face && cull == Cull::BackFaces || in_plane(distance.abs(), facts.normal) {
+            return;
+        }
+        let sign = if is_back_face { 1.0 } else { -1.0 };
+        let retreat = if is_back_face { BACK_FACE_RETREAT } else { 1.0 };
+        let normal = frame.vector_to_local(facts.normal);
+        let ranges = drawable.regions();
+        for piece in ranges.regions()[region as usize].pieces.clone() {
+            let ids = ranges.corners(piece as usize);
+            let common = ids
+                .iter()
+                .fold(u32::MAX, |bits, &id| bits & outside[id as usize]);
+            if horizon {
+                if common & BELOW_HORIZON != 0 {
+                    continue;
+                }
+                let height = ids
+                    .iter()
+                    .fold(f64::MIN, |height, &id| height.max(z[id as usize]));
+                if in_plane(height, frame.normal) {
+                    continue;
+                }
+            }
+            let first = corners.len();
+            corners.extend(ids.iter().map(|&id| {
+                let id = id as usize;
+                DVec3::new(x[id], y[id], z[id])
+            }));
+            let [scene_x, scene_y, scene_z] = &drawable.vertices;
+            let of = |k: usize| {
+                let id = ids[k] as usize;
+                let in_scene = DVec3::new(scene_x[id], scene_y[id], scene_z[id]);
+                (corners[first + k], in_scene.abs())
             };
-            let height = q0.z.max(q1.z).max(q2.z);
-            if horizon && (height <= 0.0 || in_plane(height, frame.normal)) {
-                continue;
-            }
-            let mut edges = [q1.cross(q2), q2.cross(q0), q0.cross(q1)];
-            // Twice the area times the normal; its product with any corner is the determinant.
-            let normal = (q1 - q0).cross(q2 - q0);
-            let mut determinant = normal.dot(q0);
-            let distance = determinant.abs() / normal.length();
-            if distance <= tolerance && in_plane(distance, surface.normal()) {
-                continue;
-            }
-            // The eye is in front of a counter-clockwise triangle when the determinant is negative.
-            let is_back_face = determinant > 0.0;
-            if is_back_face && cull == Cull::BackFaces {
-                continue;
-            }
-            if determinant < 0.0 {
-                edges = edges.map(|edge| -edge);
-                determinant = -determinant;
-            }
-            let tree = scene.mesh().tree(id);
-            self.surfaces.push(Projected {
-                edges,
-                margins: if is_back_face {
-                    [0.0; 3]
+            let mut from = of(ids.len() - 1);
+            for k in 0..ids.len() {
+                let to = of(k);
+                let across = sign * from.0.cross(to.0);
+                let margin = if is_back_face {
+                    0.0
                 } else {
-                    margins(surface, frame, [q0, q1, q2], &edges)
-                },
-                inverse_depth: if is_back_face {
-                    BACK_FACE_RETREAT * normal
-                } else {
-                    -normal
-                } / determinant,
-                corners: [q0, q1, q2],
-                surface: id,
-                first_patch: tree.first_patch.0,
-                depth: tree.depth,
+                    margin(frame, across, from, to)
+                };
+                edges.push(Edge { across, margin });
+                from = to;
+            }
+            pieces.push(Projected {
+                first: first as u32,
+                end: corners.len() as u32,
+                inverse_depth: normal * (retreat / distance),
+                region,
                 is_back_face,
+                outside: common,
             });
+        }
+    }
+
+    /// The three e_k of the proportion e_0 : e_1 : e_2 of a region's coordinates along a ray, see
+    /// [`Region::reference`](super::regions::Region::reference).
+    pub(super) fn coordinates(&self, region: u32) -> [DVec3; 3] {
+        let drawable = &self.drawable;
+        let facts = &drawable.facts[region as usize];
+        let [q0, q1, q2] = drawable.regions().regions()[region as usize]
+            .reference
+            .map(|p| self.frame.to_local(p));
+        let sign = if facts.offset > facts.normal.dot(self.frame.position) {
+            1.0
+        } else {
+            -1.0
+        };
+        [q1.cross(q2), q2.cross(q0), q0.cross(q1)].map(|e| sign * e)
+    }
+}
+
+/// Sets up the pieces of some regions, whose vertices are in the frame, `own` excepted.
+#[simd]
+fn set_regions<S: Simd>(
+    simd: S,
+    projection: &mut Projection,
+    own: Option<u32>,
+    regions: Range<u32>,
+    horizon: bool,
+    cull: Cull,
+) {
+    let eye_reach = projection.eye_reach(own);
+    for region in regions {
+        if own != Some(region) {
+            projection.set_region(region, eye_reach, horizon, cull);
         }
     }
 }
 
-/// Margins of a front, so that a ray between surfaces whose common corners are the same but for rounding
-/// meets one of them. A corner that is off by s across an edge's plane q_i x q_j moves that plane by s times
-/// the other corner's length at most; no ray through a hemicube's pixel is longer than sqrt(3).
-fn margins(surface: &Surface, frame: &Frame, corners: [DVec3; 3], edges: &[DVec3; 3]) -> [f64; 3] {
-    let ray = 3.0_f64.sqrt();
-    let lengths = corners.map(DVec3::length);
-    let reaches = surface.corners.map(|p| p.abs().as_dvec3());
-    [(0, 1, 2), (1, 2, 0), (2, 0, 1)].map(|(k, i, j)| {
-        let across = frame.to_scene(edges[k].normalize_or_zero()).abs();
-        let off = |i: usize| COORDINATE_ULPS * across.dot(reaches[i]);
-        ray * (off(i) * lengths[j] + off(j) * lengths[i])
-    })
+/// All vertices in a frame, and their bits of [`outside_bits`].
+#[simd]
+fn to_local<S: Simd>(
+    simd: S,
+    frame: &Frame,
+    [from_x, from_y, from_z]: [&[f64]; 3],
+    [to_x, to_y, to_z]: [&mut [f64]; 3],
+    outside: &mut [u32],
+) {
+    let count = outside.len();
+    let (from_x, from_y, from_z) = (&from_x[..count], &from_y[..count], &from_z[..count]);
+    let (to_x, to_y, to_z) = (&mut to_x[..count], &mut to_y[..count], &mut to_z[..count]);
+    for k in 0..count {
+        let q = frame.to_local(DVec3::new(from_x[k], from_y[k], from_z[k]));
+        to_x[k] = q.x;
+        to_y[k] = q.y;
+        to_z[k] = q.z;
+    }
+    for k in 0..count {
+        outside[k] = outside_bits(to_x[k], to_y[k], to_z[k]);
+    }
+}
+
+/// How much too large a front is drawn at one edge, so that a ray between pieces whose common corners are the
+/// same but for rounding meets one of them. A corner that is off by s across the edge's plane q_i x q_j moves
+/// that plane by s times the other corner's length at most; no ray through a hemicube's pixel is longer than
+/// sqrt(3). Corners are given in the frame and as magnitudes of their coordinates, metres.
+#[inline(always)]
+fn margin(
+    frame: &Frame,
+    across: DVec3,
+    (from, from_magnitude): (DVec3, DVec3),
+    (to, to_magnitude): (DVec3, DVec3),
+) -> f64 {
+    const LONGEST_RAY: f64 = 1.732_050_807_568_877_2;
+    let length = across.length();
+    if length == 0.0 {
+        return 0.0;
+    }
+    let in_scene = frame.to_scene(across).abs();
+    let off_from = in_scene.dot(from_magnitude);
+    let off_to = in_scene.dot(to_magnitude);
+    LONGEST_RAY * COORDINATE_ULPS * (off_from * to.length() + off_to * from.length()) / length
 }
 
 /// A value that is linear over a window's pixels: its coefficients of i, of j and of 1.

@@ -1,20 +1,23 @@
-//! Drawing surfaces into a window of pixels, with a depth buffer.
+//! Drawing convex pieces into a window of pixels, with a depth buffer.
 //!
-//! Each triangle covers a span of a row, between the crossings of its edges ([`super::projection`]);
-//! no pixel is tested for being inside. Within a span the inverse depth is linear. Reversed depth:
-//! 1/w is kept, 0 is infinitely far. Crossings are f64, pixels f32.
+//! Each piece covers a span of a row, between the crossings of its edges ([`super::projection`]);
+//! no pixel is tested for being inside. The spans of all rows are found together, a vector of rows at a
+//! time; then each is filled, a vector of pixels at a time. Within a span the inverse depth is linear.
+//! Reversed depth: 1/w is kept, 0 is infinitely far. Crossings are f64, pixels f32.
 
 // Functions that a vectorised caller needs must be inlined into it: compiled on their own they would
 // be for the baseline instruction set.
 #![allow(clippy::inline_always)]
+
+use std::ops::Range;
 
 use fearless_simd::{Level, Simd, dispatch, prelude::*};
 use fearless_simd_macros::simd;
 use glam::DVec3;
 use scene::SurfaceId;
 
-use super::look_up::{LookUp, look_up_row};
-use super::projection::{OverPixels, Projected, Projection, over_pixels};
+use super::look_up::LookUp;
+use super::projection::{Edge, OUTSIDE_OF_FACE, Projection, over_pixels};
 use crate::hemicube::Window;
 
 /// Front faces are drawn this much too large, in pixels, so that a ray through an edge or a corner
@@ -44,25 +47,23 @@ pub enum Sample {
     },
 }
 
-/// No surface, in the buffer of surfaces.
+/// No piece, in the buffer of pieces.
 pub(super) const NONE: u32 = u32::MAX;
 
 /// Rows are padded so that the widest vector (16 lanes) can run over their end.
 const PADDING: usize = 16;
 
-/// A window's depth and surface buffers. Kept between pictures to save allocating.
+/// A window's depth and piece buffers. Kept between pictures to save allocating.
 #[derive(Clone, Debug)]
 pub struct Raster {
     level: Level,
     window: Option<Window>,
-    /// Of the surfaces' e_k; set for those that touch the window.
-    edges: Vec<[OverPixels; 3]>,
     /// 1/w, 1/m; `width + PADDING` a row.
     inverse_depth: Vec<f32>,
-    /// Index into the projection's surfaces, or [`NONE`]; `width + PADDING` a row.
-    surface: Vec<u32>,
-    /// One row of patch IDs.
-    row: Vec<u32>,
+    /// Index into the projection's pieces, or [`NONE`]; `width + PADDING` a row.
+    pieces: Vec<u32>,
+    spans: Spans,
+    look_up: LookUp,
 }
 
 impl Default for Raster {
@@ -70,34 +71,42 @@ impl Default for Raster {
         Self {
             level: Level::new(),
             window: None,
-            edges: Vec::new(),
             inverse_depth: Vec::new(),
-            surface: Vec::new(),
-            row: Vec::new(),
+            pieces: Vec::new(),
+            spans: Spans::default(),
+            look_up: LookUp::default(),
         }
     }
 }
 
 impl Raster {
-    /// Draws all surfaces of a projection.
+    /// Draws all pieces of a projection.
     pub fn draw(&mut self, projection: &Projection, window: &Window) {
+        self.draw_inside(projection, window, 0);
+    }
+
+    /// Draws a face of a hemicube: `window` is that of [`crate::hemicube::windows`].
+    pub fn draw_face(&mut self, projection: &Projection, face: usize, window: &Window) {
+        self.draw_inside(projection, window, OUTSIDE_OF_FACE[face]);
+    }
+
+    /// Draws what is not outside by one of some of [`super::projection`]'s bits.
+    fn draw_inside(&mut self, projection: &Projection, window: &Window, outside: u32) {
         self.window = Some(*window);
-        self.edges
-            .resize(projection.surfaces.len(), Default::default());
         let pixels = (window.width + PADDING) * window.height;
         self.inverse_depth.clear();
         self.inverse_depth.resize(pixels, 0.0);
-        self.surface.clear();
-        self.surface.resize(pixels, NONE);
+        self.pieces.clear();
+        self.pieces.resize(pixels, NONE);
         let Self {
             level,
-            edges,
             inverse_depth,
-            surface,
+            pieces,
+            spans,
             ..
         } = self;
         dispatch!(*level, simd => draw(
-            simd, &projection.surfaces, window, edges, inverse_depth, surface
+            simd, projection, outside, window, spans, inverse_depth, pieces
         ));
     }
 
@@ -112,18 +121,28 @@ impl Raster {
     ) {
         let Some(window) = self.window else { return };
         let stride = window.width + PADDING;
-        self.row.resize(stride, 0);
-        let look_up = LookUp {
-            surfaces: &projection.surfaces,
-            edges: &self.edges,
-            nothing,
-            back_face,
-        };
-        for j in 0..window.height {
-            let surface = &self.surface[j * stride..][..window.width];
-            let row = &mut self.row;
-            dispatch!(self.level, simd => look_up_row(simd, &look_up, j, surface, row));
-            take(j, &self.row[..window.width]);
+        self.look_up.start(projection, &window, nothing, back_face);
+        for (j, pieces) in self.pieces.chunks_exact(stride).enumerate() {
+            let ids = self
+                .look_up
+                .row(self.level, projection, j, &pieces[..window.width]);
+            take(j, ids);
+        }
+    }
+
+    /// Hands out the runs of pixels of the last picture that see anything: row, pixels.
+    pub fn for_each_covered_run(&self, mut take: impl FnMut(usize, Range<usize>)) {
+        let Some(window) = self.window else { return };
+        let stride = window.width + PADDING;
+        for (j, row) in self.pieces.chunks_exact(stride).enumerate() {
+            let mut start = 0;
+            for run in row[..window.width].chunk_by(|a, b| (*a == NONE) == (*b == NONE)) {
+                let end = start + run.len();
+                if run[0] != NONE {
+                    take(j, start..end);
+                }
+                start = end;
+            }
         }
     }
 
@@ -132,81 +151,102 @@ impl Raster {
         let Some(window) = &self.window else {
             return Sample::Nothing;
         };
-        let index = self.surface[j * (window.width + PADDING) + i];
-        let Some(seen) = projection.surfaces.get(index as usize) else {
+        let index = self.pieces[j * (window.width + PADDING) + i];
+        let Some(seen) = projection.pieces.get(index as usize) else {
             return Sample::Nothing;
         };
-        if seen.is_back_face {
-            return Sample::BackFace(seen.surface);
-        }
         let direction = window.forward
             + (window.left + (i as f64 + 0.5) * window.pixel) * window.right
             + (window.bottom + (j as f64 + 0.5) * window.pixel) * window.up;
-        let [a, b, c] = seen.edges.map(|edge| edge.dot(direction).max(0.0));
+        let coordinates = projection.coordinates(seen.region);
+        let (surface, e) = projection
+            .drawable
+            .surface_at(seen.region, coordinates.map(|e| e.dot(direction)));
+        if seen.is_back_face {
+            return Sample::BackFace(surface);
+        }
+        let [a, b, c] = e.map(|e| e.max(0.0));
         let sum = a + b + c;
         Sample::Front {
-            surface: seen.surface,
+            surface,
             barycentric: [a, b, c].map(|e| (e / sum) as f32),
             depth: (1.0 / seen.inverse_depth.dot(direction)) as f32,
         }
     }
 }
 
-/// Where a triangle's edges cross a row of pixels: between `low` and `high` lies the inside.
-#[derive(Clone, Copy)]
-struct Crossings {
-    /// Base and slope of each: the crossing of row j is at pixel base + slope j.
-    low: [(f64, f64); 3],
-    high: [(f64, f64); 3],
+/// Where an edge crosses the rows: row j at pixel base + slope j.
+#[derive(Clone, Copy, Debug)]
+struct Crossing {
+    base: f64,
+    slope: f64,
 }
 
-impl Crossings {
-    /// e_k at the centre of pixel (i, j) is a i + b j + c; edges are where it is -`margins`, moved outwards by
+/// The edges of a piece: its rows lie to the right of all `low` and to the left of all `high`.
+#[derive(Clone, Debug, Default)]
+struct Spans {
+    low: Vec<Crossing>,
+    high: Vec<Crossing>,
+}
+
+impl Spans {
+    /// Adds an edge.
+    ///
+    /// e at the centre of pixel (i, j) is a i + b j + c; the edge is where it is -margin, moved outwards by
     /// `outset` pixels.
     #[inline(always)]
-    fn new(edges: &[OverPixels; 3], margins: &[f64; 3], outset: f64) -> Self {
-        let mut crossings = Self {
-            low: [(f64::NEG_INFINITY, 0.0); 3],
-            high: [(f64::INFINITY, 0.0); 3],
+    fn cut(&mut self, edge: &Edge, window: &Window, outset: f64) {
+        let [a, b, c] = over_pixels(edge.across, window);
+        // By how much e changes from one pixel to the next.
+        let step = a.abs() + b.abs();
+        let c = c + edge.margin.min(MOST_MARGIN * step) + outset * step;
+        // An edge along the rows crosses them far to the left or far to the right.
+        let a = if a == 0.0 {
+            1e-100 * (b.abs() + c.abs()).max(f64::MIN_POSITIVE)
+        } else {
+            a
         };
-        for (k, &[a, b, c]) in edges.iter().enumerate() {
-            // By how much e_k changes from one pixel to the next.
-            let step = a.abs() + b.abs();
-            let c = c + margins[k].min(MOST_MARGIN * step) + outset * step;
-            // An edge along the rows crosses them far to the left or far to the right.
-            let a = if a == 0.0 {
-                1e-100 * (b.abs() + c.abs())
-            } else {
-                a
-            };
-            let crossing = (-c / a, -b / a);
-            if a > 0.0 {
-                crossings.low[k] = crossing;
-            } else {
-                crossings.high[k] = crossing;
-            }
+        let scale = -1.0 / a;
+        let crossing = Crossing {
+            base: c * scale,
+            slope: b * scale,
+        };
+        if a > 0.0 {
+            self.low.push(crossing);
+        } else {
+            self.high.push(crossing);
         }
-        crossings
     }
 
-    /// The first pixel of row j and the pixel after its last, of 0..width; empty where the second is
-    /// not greater.
+    /// For as many rows from `row` on as a vector holds: the first pixel and the one after the last, of
+    /// 0..width; empty where the second is not greater.
     #[inline(always)]
-    fn span(&self, j: usize, width: usize) -> (usize, usize) {
-        let j = j as f64;
-        let at = |(base, slope): (f64, f64)| base + slope * j;
-        let [l0, l1, l2] = self.low;
-        let [h0, h1, h2] = self.high;
-        let low = at(l0).max(at(l1)).max(at(l2)).max(0.0);
-        let high = at(h0).min(at(h1)).min(at(h2)).min(width as f64 - 1.0);
-        // A cast saturates, so that a negative `high` ends the row before its first pixel.
-        (low.ceil() as usize, (high + 1.0) as usize)
+    fn rows<S: Simd>(&self, simd: S, row: usize, width: usize) -> [S::f64s; 2] {
+        let j = S::f64s::from_fn(simd, |lane| (row + lane) as f64);
+        let mut low = S::f64s::splat(simd, 0.0);
+        for crossing in &self.low {
+            low = low.max(j * crossing.slope + crossing.base);
+        }
+        let width = width as f64;
+        let mut high = S::f64s::splat(simd, width - 1.0);
+        for crossing in &self.high {
+            high = high.min(j * crossing.slope + crossing.base);
+        }
+        let low = low.min(width).ceil();
+        [low, (high.max(-1.0) + 1.0).trunc()]
     }
 }
 
-/// The rows a triangle can touch, or `None` where it is outside the window.
+/// The integer in a float of 0 to 2^31, without the care that a cast takes of others.
 #[inline(always)]
-fn row_range(corners: &[DVec3; 3], window: &Window) -> Option<(usize, usize)> {
+fn small_integer(value: f64) -> usize {
+    const TWO_TO_52: f64 = (1_u64 << 52) as f64;
+    (value + TWO_TO_52).to_bits() as u32 as usize
+}
+
+/// The rows a piece can touch, or `None` where it is outside the window.
+#[inline(always)]
+fn row_range(corners: &[DVec3], window: &Window) -> Option<(usize, usize)> {
     let right = window.left + window.width as f64 * window.pixel;
     let top = window.bottom + window.height as f64 * window.pixel;
     let mut outside = [true; 5];
@@ -241,44 +281,58 @@ fn row_range(corners: &[DVec3; 3], window: &Window) -> Option<(usize, usize)> {
 #[simd]
 fn draw<S: Simd>(
     simd: S,
-    surfaces: &[Projected],
+    projection: &Projection,
+    outside: u32,
     window: &Window,
-    edges: &mut [[OverPixels; 3]],
+    spans: &mut Spans,
     inverse_depth: &mut [f32],
-    surface: &mut [u32],
+    pieces: &mut [u32],
 ) {
     let stride = window.width + PADDING;
-    for (index, seen) in surfaces.iter().enumerate() {
-        let Some((first_row, end_row)) = row_range(&seen.corners, window) else {
+    let lanes = S::f64s::LEN;
+    for (index, seen) in projection.pieces.iter().enumerate() {
+        if seen.outside & outside != 0 {
+            continue;
+        }
+        let part = seen.first as usize..seen.end as usize;
+        let Some((first_row, end_row)) = row_range(&projection.corners[part.clone()], window)
+        else {
             continue;
         };
-        for (over, edge) in edges[index].iter_mut().zip(seen.edges) {
-            *over = over_pixels(edge, window);
-        }
         let outset = if seen.is_back_face {
             0.0
         } else {
             FRONT_FACE_OUTSET
         };
-        let crossings = Crossings::new(&edges[index], &seen.margins, outset);
+        spans.low.clear();
+        spans.high.clear();
+        for edge in &projection.edges[part] {
+            spans.cut(edge, window, outset);
+        }
         let [depth_i, depth_j, depth_1] = over_pixels(seen.inverse_depth, window);
-        for j in first_row..end_row {
-            let (first, end) = crossings.span(j, window.width);
-            if first >= end {
-                continue;
+        let mut row = first_row;
+        while row < end_row {
+            let [firsts, ends] = spans.rows(simd, row, window.width);
+            for lane in 0..lanes.min(end_row - row) {
+                let (first, end) = (small_integer(firsts[lane]), small_integer(ends[lane]));
+                if first >= end {
+                    continue;
+                }
+                let j = row + lane;
+                let count = end - first;
+                let start = j * stride + first;
+                let padded = start..start + count.next_multiple_of(PADDING);
+                fill(
+                    simd,
+                    &mut inverse_depth[padded.clone()],
+                    &mut pieces[padded],
+                    count,
+                    (depth_i * first as f64 + (depth_j * j as f64 + depth_1)) as f32,
+                    depth_i as f32,
+                    index as u32,
+                );
             }
-            let count = end - first;
-            let start = j * stride + first;
-            let padded = start..start + count.next_multiple_of(PADDING);
-            fill(
-                simd,
-                &mut inverse_depth[padded.clone()],
-                &mut surface[padded],
-                count,
-                (depth_i * first as f64 + (depth_j * j as f64 + depth_1)) as f32,
-                depth_i as f32,
-                index as u32,
-            );
+            row += lanes;
         }
     }
 }
@@ -288,7 +342,7 @@ fn draw<S: Simd>(
 fn fill<S: Simd>(
     simd: S,
     inverse_depth: &mut [f32],
-    surface: &mut [u32],
+    pieces: &mut [u32],
     count: usize,
     base: f32,
     step: f32,
@@ -300,8 +354,8 @@ fn fill<S: Simd>(
     let count_v = S::f32s::splat(simd, count as f32);
     let index_v = S::u32s::splat(simd, index);
     let depths = inverse_depth.chunks_exact_mut(lanes);
-    let surfaces = surface.chunks_exact_mut(lanes);
-    for (k, (old_depth, old_surface)) in depths.zip(surfaces).enumerate() {
+    let pieces = pieces.chunks_exact_mut(lanes);
+    for (k, (old_depth, old_piece)) in depths.zip(pieces).enumerate() {
         if k * lanes >= count {
             break;
         }
@@ -310,7 +364,7 @@ fn fill<S: Simd>(
         let before = S::f32s::from_slice(simd, old_depth);
         let nearer = depth.simd_gt(before) & offset.simd_lt(count_v);
         nearer.select(depth, before).store_slice(old_depth);
-        let before = S::u32s::from_slice(simd, old_surface);
-        nearer.select(index_v, before).store_slice(old_surface);
+        let before = S::u32s::from_slice(simd, old_piece);
+        nearer.select(index_v, before).store_slice(old_piece);
     }
 }

@@ -1,33 +1,47 @@
 //! Form factor rows from hemicubes drawn on the CPU.
 
+use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;
 
+use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 use scene::PatchId;
+use thread_local::ThreadLocal;
 
 use super::item_buffer::HemicubeDrawer;
+use super::runs::for_each_run;
+use crate::hemicube::pixel_count;
 use crate::hemicubes::Hemicubes;
 use crate::rows::{BackendError, Entry, RowBatch, RowSource, Unseen};
 
 /// The cpu back end. It draws on the threads of the rayon pool it is called in.
-#[derive(Debug)]
 pub struct CpuRows<'a> {
     hemicubes: Arc<Hemicubes<'a>>,
+    /// One for each thread that has drawn.
+    drawers: ThreadLocal<RefCell<RowDrawer<'a>>>,
 }
 
-/// Rows that one thread draws at a time: the fewer, the more even the threads' work.
-const ROWS_PER_TASK: usize = 16;
+/// Pixels that one thread draws at a time, and rows at most: the fewer, the more even the threads' work.
+const PIXELS_PER_TASK: usize = 1 << 18;
+const MOST_ROWS_PER_TASK: usize = 8;
 
 /// Tasks in a batch for each thread: enough to be even, few enough that an interrupt is answered soon.
-const TASKS_PER_THREAD: usize = 4;
+const TASKS_PER_THREAD: usize = 8;
 
 impl<'a> CpuRows<'a> {
     /// A back end for the hemicubes of one scene.
     pub fn new(hemicubes: &Arc<Hemicubes<'a>>) -> Self {
         Self {
             hemicubes: Arc::clone(hemicubes),
+            drawers: ThreadLocal::new(),
         }
+    }
+
+    /// Rows that one thread draws at a time.
+    fn rows_per_task(&self) -> usize {
+        let pixels = pixel_count(self.hemicubes.settings().resolution);
+        (PIXELS_PER_TASK / pixels).clamp(1, MOST_ROWS_PER_TASK)
     }
 }
 
@@ -36,8 +50,13 @@ impl RowSource for CpuRows<'_> {
         let mut batch = RowBatch::new(patches.start);
         let pieces: Vec<RowBatch> = patches
             .collect::<Vec<_>>()
-            .par_chunks(ROWS_PER_TASK)
-            .map_init(|| RowDrawer::new(&self.hemicubes), RowDrawer::rows)
+            .par_chunks(self.rows_per_task())
+            .map(|patches| {
+                let drawer = self
+                    .drawers
+                    .get_or(|| RefCell::new(RowDrawer::new(&self.hemicubes)));
+                drawer.borrow_mut().rows(patches)
+            })
             .collect();
         for piece in pieces {
             batch.append(&piece);
@@ -46,7 +65,7 @@ impl RowSource for CpuRows<'_> {
     }
 
     fn preferred_batch(&self) -> u32 {
-        (rayon::current_num_threads() * TASKS_PER_THREAD * ROWS_PER_TASK) as u32
+        (rayon::current_num_threads() * TASKS_PER_THREAD * self.rows_per_task()) as u32
     }
 
     fn describe(&self) -> String {
@@ -61,7 +80,7 @@ impl RowSource for CpuRows<'_> {
 /// Draws rows one after the other, for one thread.
 #[derive(Debug)]
 pub struct RowDrawer<'a> {
-    hemicubes: &'a Hemicubes<'a>,
+    hemicubes: Arc<Hemicubes<'a>>,
     drawer: HemicubeDrawer<'a>,
     merger: Merger,
     row: Vec<Entry>,
@@ -69,19 +88,18 @@ pub struct RowDrawer<'a> {
 
 impl<'a> RowDrawer<'a> {
     /// A drawer of rows.
-    pub fn new(hemicubes: &'a Hemicubes<'a>) -> Self {
-        let scene = hemicubes.scene();
+    pub fn new(hemicubes: &Arc<Hemicubes<'a>>) -> Self {
+        let resolution = hemicubes.settings().resolution;
         Self {
-            hemicubes,
-            drawer: HemicubeDrawer::new(scene, hemicubes.settings().resolution),
-            merger: Merger::new(scene.patch_count()),
+            hemicubes: Arc::clone(hemicubes),
+            drawer: HemicubeDrawer::new(hemicubes.drawable(), resolution),
+            merger: Merger::new(hemicubes.scene().patch_count()),
             row: Vec::new(),
         }
     }
 
     /// The row of one patch.
     pub fn row(&mut self, patch: PatchId) -> (&[Entry], Unseen) {
-        let size = self.hemicubes.settings().resolution as usize;
         let factors = self
             .hemicubes
             .delta_form_factors(self.hemicubes.count(patch));
@@ -89,8 +107,7 @@ impl<'a> RowDrawer<'a> {
         for frame in self.hemicubes.frames(patch) {
             self.drawer
                 .draw(patch, &frame, nothing, back_face, |face, j, ids| {
-                    self.merger
-                        .add(ids, &factors.face(face)[j * size..][..size]);
+                    self.merger.add(ids, factors.row_sums(face, j));
                 });
         }
         self.row.clear();
@@ -112,6 +129,7 @@ impl<'a> RowDrawer<'a> {
 /// was touched, by which the sums are found again in patch order.
 #[derive(Debug)]
 struct Merger {
+    level: Level,
     /// One per patch, then one for nothing and one for back faces.
     units: Vec<u32>,
     /// A bit for each of `units`.
@@ -122,6 +140,7 @@ impl Merger {
     fn new(patch_count: u32) -> Self {
         let slots = patch_count as usize + 2;
         Self {
+            level: Level::new(),
             units: vec![0; slots],
             touched: vec![0; slots.div_ceil(64)],
         }
@@ -135,24 +154,17 @@ impl Merger {
         self.units.len() as u32 - 1
     }
 
-    #[inline]
-    fn add(&mut self, ids: &[u32], delta_form_factors: &[u32]) {
-        let Some(&first) = ids.first() else { return };
-        let (mut patch, mut sum) = (first, 0);
-        for (&id, &units) in ids.iter().zip(delta_form_factors) {
-            if id != patch {
-                self.add_run(patch, sum);
-                (patch, sum) = (id, 0);
-            }
-            sum += units;
-        }
-        self.add_run(patch, sum);
-    }
-
-    #[inline]
-    fn add_run(&mut self, patch: u32, units: u32) {
-        self.units[patch as usize] += units;
-        self.touched[patch as usize / 64] |= 1 << (patch % 64);
+    /// Adds a row of pixels, whose delta form factors are given as sums.
+    fn add(&mut self, ids: &[u32], sums: &[u32]) {
+        let Self {
+            level,
+            units,
+            touched,
+        } = self;
+        dispatch!(*level, simd => for_each_run(simd, ids, #[inline(always)] |patch, start, end| {
+            units[patch as usize] += sums[end] - sums[start];
+            touched[patch as usize / 64] |= 1 << (patch % 64);
+        }));
     }
 
     /// Hands out the non-zero sums in patch order and starts anew.

@@ -5,13 +5,15 @@ use std::ops::Range;
 use glam::{DVec3, Vec3};
 use scene::{Scene, SurfaceId};
 
-use crate::cpu::{is_in_plane, plane_tolerance, reach};
+use crate::cpu::{Drawable, is_in_plane, plane_tolerance, reach};
 
 /// Emitting surfaces that touch, in one plane or as a convex body.
 #[derive(Clone, Debug)]
 pub(super) struct Lamp {
     /// In their order.
     pub surfaces: Vec<SurfaceId>,
+    /// Those that they are drawn in, ascending.
+    pub regions: Vec<u32>,
     /// Their patches, as ascending ranges.
     pub patches: Vec<Range<u32>>,
     /// Emission summed over channels, W/m^2.
@@ -22,7 +24,8 @@ pub(super) struct Lamp {
 const MOST_CONVEXITY_TESTS: usize = 1 << 28;
 
 /// The lamps of a scene, in the order of their first surfaces.
-pub(super) fn lamps(scene: &Scene) -> Vec<Lamp> {
+pub(super) fn lamps(drawable: &Drawable) -> Vec<Lamp> {
+    let scene = drawable.scene();
     let emitters: Vec<SurfaceId> = (0..scene.surfaces().len() as u32)
         .map(SurfaceId)
         .filter(|&id| scene.material(scene.surface(id).material).is_emitter())
@@ -42,13 +45,21 @@ pub(super) fn lamps(scene: &Scene) -> Vec<Lamp> {
     groups.sort_unstable_by_key(|surfaces| surfaces[0]);
     groups
         .into_iter()
-        .map(|surfaces| {
+        .filter_map(|surfaces| {
             let emission = scene.material(scene.surface(surfaces[0]).material).emission;
-            Lamp {
+            let mut regions: Vec<u32> = surfaces.iter().map(|&id| drawable.region_of(id)).collect();
+            regions.sort_unstable();
+            regions.dedup();
+            // What is drawn together with something else is left to the hemicube.
+            let drawn = regions
+                .iter()
+                .map(|&region| drawable.regions().regions()[region as usize].surfaces.len());
+            (drawn.sum::<usize>() == surfaces.len()).then(|| Lamp {
+                regions,
                 patches: patches(scene, &surfaces),
                 surfaces,
                 emission: f64::from(emission.element_sum()),
-            }
+            })
         })
         .collect()
 }

@@ -20,33 +20,33 @@
 //! average out. In the patch's row the hemicube's entries for the lamp give way to these, and the others are
 //! scaled so that the row still sums to what it did.
 
-mod cone;
 mod find;
 mod merge;
 mod piece;
 mod view;
 
+use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;
 
 use rayon::prelude::*;
 use scene::PatchId;
+use thread_local::ThreadLocal;
 
 use self::find::{Lamp, lamps};
 use self::view::LampViewer;
 use crate::hemicubes::Hemicubes;
 use crate::rows::{BackendError, Entry, RowBatch, RowSource, Unseen};
 use crate::settings::{LampViews, Maps};
-use crate::sphere::Sphere;
 
 /// Form factor rows in which lamps have their own views.
 pub struct LampRows<'a> {
     hemicubes: Arc<Hemicubes<'a>>,
-    lamps: Vec<Lamp>,
-    /// One per surface.
-    spheres: Vec<Sphere>,
+    lamps: Arc<[Lamp]>,
     all: bool,
     inner: Box<dyn RowSource + 'a>,
+    /// One for each thread that has looked.
+    viewers: ThreadLocal<RefCell<LampViewer<'a>>>,
 }
 
 /// Rows of `source` in which lamps have their own views, as far as they are asked for; the thesis's maps
@@ -56,18 +56,21 @@ pub fn with_lamps<'a>(
     views: LampViews,
     source: Box<dyn RowSource + 'a>,
 ) -> Box<dyn RowSource + 'a> {
-    let scene = hemicubes.scene();
     let off = views == LampViews::Off || hemicubes.settings().maps == Maps::Thesis;
-    let lamps = if off { Vec::new() } else { lamps(scene) };
+    let lamps = if off {
+        Vec::new()
+    } else {
+        lamps(hemicubes.drawable())
+    };
     if lamps.is_empty() {
         return source;
     }
     Box::new(LampRows {
         hemicubes: Arc::clone(hemicubes),
-        lamps,
-        spheres: scene.surfaces().iter().map(Sphere::around).collect(),
+        lamps: lamps.into(),
         all: views == LampViews::All,
         inner: source,
+        viewers: ThreadLocal::new(),
     })
 }
 
@@ -77,20 +80,20 @@ impl RowSource for LampRows<'_> {
         let Self {
             hemicubes,
             lamps,
-            spheres,
             all,
+            viewers,
             ..
         } = &*self;
         let rows: Vec<(Vec<Entry>, Unseen)> = patches
             .clone()
             .into_par_iter()
-            .map_init(
-                || LampViewer::new(hemicubes, lamps, spheres, *all),
-                |viewer, patch| {
-                    let k = (patch - patches.start) as usize;
-                    viewer.refine(PatchId(patch), drawn.row(k), drawn.unseen(k))
-                },
-            )
+            .map(|patch| {
+                let k = (patch - patches.start) as usize;
+                let viewer =
+                    viewers.get_or(|| RefCell::new(LampViewer::new(hemicubes, lamps, *all)));
+                let mut viewer = viewer.borrow_mut();
+                viewer.refine(PatchId(patch), drawn.row(k), drawn.unseen(k))
+            })
             .collect();
         let mut batch = RowBatch::new(patches.start);
         for (row, unseen) in rows {

@@ -3,6 +3,8 @@
 //! A view is a plane picture, so it cannot look far to both sides. A lamp that is too long for it, a tube close to
 //! the wall it lights, is halved by planes through the eye until its parts fit.
 
+use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd_macros::simd;
 use glam::DVec3;
 
 use crate::hemicube::Window;
@@ -36,16 +38,36 @@ pub(super) struct Piece {
 }
 
 impl Piece {
-    /// A pixel's delta form factor, up to a factor that all pixels share; 0 where it looks past the piece.
-    pub fn weight(&self, i: usize, j: usize) -> f64 {
+    /// The pixels' delta form factors, row by row, up to a factor that all share; 0 where a pixel looks past the
+    /// piece.
+    pub fn weights(&self, weights: &mut Vec<f64>) {
+        weights.clear();
+        weights.resize(self.window.width * self.window.height, 0.0);
+        dispatch!(Level::new(), simd => self.weigh(simd, weights));
+    }
+
+    #[simd]
+    fn weigh<S: Simd>(&self, simd: S, weights: &mut [f64]) {
         let window = &self.window;
-        let direction = window.forward
-            + (window.left + (i as f64 + 0.5) * window.pixel) * window.right
-            + (window.bottom + (j as f64 + 0.5) * window.pixel) * window.up;
-        if self.planes.iter().any(|plane| plane.dot(direction) < 0.0) {
-            return 0.0;
+        let across = window.pixel * window.right;
+        for (j, row) in weights.chunks_exact_mut(window.width).enumerate() {
+            let first = window.forward
+                + (window.left + 0.5 * window.pixel) * window.right
+                + (window.bottom + (j as f64 + 0.5) * window.pixel) * window.up;
+            for (i, weight) in row.iter_mut().enumerate() {
+                let direction = first + i as f64 * across;
+                let squared = direction.length_squared();
+                *weight = direction.z.max(0.0) / (squared * squared);
+            }
+            for plane in &self.planes {
+                let (base, step) = (plane.dot(first), plane.dot(across));
+                for (i, weight) in row.iter_mut().enumerate() {
+                    if base + i as f64 * step < 0.0 {
+                        *weight = 0.0;
+                    }
+                }
+            }
         }
-        direction.z.max(0.0) / direction.length_squared().powi(2)
     }
 }
 

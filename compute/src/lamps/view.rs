@@ -1,11 +1,11 @@
 //! Looking at lamps from the points of a patch.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use glam::DVec3;
 use scene::{PatchId, Scene, SurfaceId};
 
-use super::cone::Cone;
 use super::find::Lamp;
 use super::merge::{is_in, merge};
 use super::piece::{Piece, pieces};
@@ -14,7 +14,6 @@ use crate::hemicube::Frame;
 use crate::hemicubes::Hemicubes;
 use crate::polygon_form_factor::{in_front, point_to_polygon};
 use crate::rows::{Entry, Unseen};
-use crate::sphere::Sphere;
 
 /// Share of the unhidden light of all lamps from which on one has its own view.
 const LEAST_SHARE: f64 = 0.01;
@@ -25,16 +24,16 @@ const MOST_VIEWS: usize = 8;
 /// Views lamps for one thread.
 pub(super) struct LampViewer<'a> {
     scene: &'a Scene,
-    hemicubes: &'a Hemicubes<'a>,
-    lamps: &'a [Lamp],
-    /// Around the surfaces, one each.
-    spheres: &'a [Sphere],
+    hemicubes: Arc<Hemicubes<'a>>,
+    lamps: Arc<[Lamp]>,
     all: bool,
     plane_tolerance: f64,
-    /// What may be seen of a lamp, and what may hide it.
-    hiders_and_lamp: Projection,
-    lamp_alone: Projection,
+    /// The lamp, and what may hide it.
+    all_surfaces: Projection<'a>,
+    lamp_alone: Projection<'a>,
     raster: Raster,
+    /// Of a view's pixels.
+    weights: Vec<f64>,
 }
 
 /// What one patch sees of the lamps that matter to it.
@@ -48,22 +47,17 @@ pub(super) struct Seen {
 
 impl<'a> LampViewer<'a> {
     /// A viewer of these lamps; of all of them, if `all`, whether they matter or not.
-    pub fn new(
-        hemicubes: &'a Hemicubes<'a>,
-        lamps: &'a [Lamp],
-        spheres: &'a [Sphere],
-        all: bool,
-    ) -> Self {
+    pub fn new(hemicubes: &Arc<Hemicubes<'a>>, lamps: &Arc<[Lamp]>, all: bool) -> Self {
         Self {
             scene: hemicubes.scene(),
-            hemicubes,
-            lamps,
-            spheres,
+            hemicubes: Arc::clone(hemicubes),
+            lamps: Arc::clone(lamps),
             all,
             plane_tolerance: plane_tolerance(hemicubes.scene()),
-            hiders_and_lamp: Projection::default(),
-            lamp_alone: Projection::default(),
+            all_surfaces: Projection::new(hemicubes.drawable()),
+            lamp_alone: Projection::new(hemicubes.drawable()),
             raster: Raster::default(),
+            weights: Vec::new(),
         }
     }
 
@@ -145,15 +139,6 @@ impl<'a> LampViewer<'a> {
             .collect()
     }
 
-    /// How far away the lamp's farthest corner is, metres.
-    fn reach(&self, frame: &Frame, lamp: &Lamp) -> f64 {
-        lamp.surfaces
-            .iter()
-            .flat_map(|&id| self.scene.surface(id).corners)
-            .map(|p| p.as_dvec3().distance(frame.position))
-            .fold(0.0, f64::max)
-    }
-
     /// The mean over the points of what is seen of the chosen lamps; as an error a lamp of which no pixel of
     /// a view meets anything from some point, hidden or not.
     fn look(&mut self, own: SurfaceId, frames: &[Frame], chosen: &[Choice]) -> Result<Seen, usize> {
@@ -165,9 +150,16 @@ impl<'a> LampViewer<'a> {
         seen.replaced.sort_unstable_by_key(|range| range.start);
         let share = 1.0 / frames.len() as f64;
         for (k, frame) in frames.iter().enumerate() {
-            for choice in chosen {
+            if chosen.iter().all(|choice| choice.pieces[k].is_empty()) {
+                continue;
+            }
+            self.all_surfaces.set(frame, Some(own), true, Cull::Nothing);
+            for choice in chosen.iter().filter(|choice| !choice.pieces[k].is_empty()) {
+                let regions = self.lamps[choice.lamp].regions.iter().copied();
+                self.lamp_alone
+                    .set_some(frame, Some(own), regions, true, Cull::BackFaces);
                 for piece in &choice.pieces[k] {
-                    if !self.view(own, frame, choice.lamp, piece, share, &mut seen) {
+                    if !self.view(choice.lamp, piece, share, &mut seen) {
                         return Err(choice.lamp);
                     }
                 }
@@ -184,66 +176,34 @@ impl<'a> LampViewer<'a> {
         Ok(seen)
     }
 
-    /// Looks at a piece of one lamp from one point and adds what is seen, times `share`. False where no
+    /// Looks at a piece of one lamp from the point that the projections are set to and adds what is seen, times `share`. False where no
     /// pixel meets the piece.
-    fn view(
-        &mut self,
-        own: SurfaceId,
-        frame: &Frame,
-        lamp: usize,
-        piece: &Piece,
-        share: f64,
-        seen: &mut Seen,
-    ) -> bool {
+    fn view(&mut self, lamp: usize, piece: &Piece, share: f64, seen: &mut Seen) -> bool {
         let lamp = &self.lamps[lamp];
-        self.lamp_alone.set_some(
-            self.scene,
-            frame,
-            Some(own),
-            lamp.surfaces.iter().copied(),
-            true,
-            Cull::BackFaces,
-            self.plane_tolerance,
-        );
-        let nothing = u32::MAX;
+        piece.weights(&mut self.weights);
+        let row = |j: usize| j * piece.window.width;
         let mut whole = 0.0;
         self.raster.draw(&self.lamp_alone, &piece.window);
-        self.raster
-            .for_each_row(&self.lamp_alone, nothing, nothing, |j, ids| {
-                whole += (0..ids.len())
-                    .filter(|&i| ids[i] != nothing)
-                    .map(|i| piece.weight(i, j))
-                    .sum::<f64>();
-            });
+        self.raster.for_each_covered_run(|j, run| {
+            let run = row(j) + run.start..row(j) + run.end;
+            whole += self.weights[run].iter().sum::<f64>();
+        });
         if whole <= 0.0 {
             return false;
         }
-        let cone = Cone::around(frame, &piece.window, self.reach(frame, lamp));
-        let hiders = (0..).map(SurfaceId).zip(self.spheres);
-        self.hiders_and_lamp.set_some(
-            self.scene,
-            frame,
-            Some(own),
-            hiders
-                .filter(|&(id, sphere)| id != own && cone.meets(sphere))
-                .map(|(id, _)| id),
-            true,
-            Cull::Nothing,
-            self.plane_tolerance,
-        );
-        self.raster.draw(&self.hiders_and_lamp, &piece.window);
+        self.raster.draw(&self.all_surfaces, &piece.window);
+        let scale = share * piece.form_factor / whole;
         let first = seen.factors.len();
         let factors = &mut seen.factors;
         self.raster
-            .for_each_row(&self.hiders_and_lamp, nothing, nothing, |j, ids| {
-                for (i, &id) in ids.iter().enumerate() {
-                    if id == nothing || !is_in(&lamp.patches, id) {
+            .for_each_row(&self.all_surfaces, u32::MAX, u32::MAX, |j, ids| {
+                for (&id, &weight) in ids.iter().zip(&self.weights[row(j)..]) {
+                    if !is_in(&lamp.patches, id) {
                         continue;
                     }
-                    let factor = share * piece.form_factor * piece.weight(i, j) / whole;
                     match factors[first..].last_mut() {
-                        Some((patch, sum)) if *patch == id => *sum += factor,
-                        _ => factors.push((id, factor)),
+                        Some((patch, sum)) if *patch == id => *sum += scale * weight,
+                        _ => factors.push((id, scale * weight)),
                     }
                 }
             });

@@ -1,0 +1,121 @@
+//! A scene laid out for drawing: made once, shared by all eyes.
+
+use glam::DVec3;
+use scene::{Scene, SurfaceId};
+
+use super::projection::{plane_tolerance, reach};
+use super::regions::Regions;
+
+/// What item buffers draw of a scene.
+#[derive(Debug)]
+pub struct Drawable<'a> {
+    scene: &'a Scene,
+    regions: Regions,
+    /// The regions' vertices, one axis after the other, metres.
+    pub(super) vertices: [Vec<f64>; 3],
+    /// One per region.
+    pub(super) facts: Vec<RegionFacts>,
+    /// Where the members of each region begin among those of all; then the number of all.
+    first_members: Vec<usize>,
+    pub(super) plane_tolerance: f64,
+}
+
+/// What setting a region up asks for, all in one place.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RegionFacts {
+    /// Unit vector.
+    pub normal: DVec3,
+    /// Product of the normal with the points of its plane, metres.
+    pub offset: f64,
+    /// Largest magnitude of its coordinates by axis, metres.
+    pub reach: DVec3,
+    /// Of the bisection tree of its one surface; unused where there are more.
+    pub first_patch: u32,
+    pub depth: u32,
+}
+
+impl<'a> Drawable<'a> {
+    /// Lays a scene out.
+    pub fn new(scene: &'a Scene) -> Self {
+        let regions = Regions::new(scene);
+        let axis = |k: usize| regions.vertices().iter().map(|p| p[k].into()).collect();
+        let facts = regions
+            .regions()
+            .iter()
+            .map(|region| {
+                let surfaces = || region.surfaces.iter().map(|&id| scene.surface(id));
+                let tree = scene.mesh().tree(region.surfaces[0]);
+                RegionFacts {
+                    normal: region.normal,
+                    offset: region.normal.dot(region.reference[0]),
+                    reach: surfaces().map(reach).fold(DVec3::ZERO, DVec3::max),
+                    first_patch: tree.first_patch.0,
+                    depth: tree.depth,
+                }
+            })
+            .collect();
+        let mut first_members = vec![0];
+        let mut count = 0;
+        for region in regions.regions() {
+            count += region.locator.as_ref().map_or(0, |l| l.members().len());
+            first_members.push(count);
+        }
+        Self {
+            scene,
+            first_members,
+            vertices: [axis(0), axis(1), axis(2)],
+            facts,
+            plane_tolerance: plane_tolerance(scene),
+            regions,
+        }
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &'a Scene {
+        self.scene
+    }
+
+    /// What is drawn of it.
+    pub fn regions(&self) -> &Regions {
+        &self.regions
+    }
+
+    /// [`plane_tolerance`] of the scene, metres.
+    pub fn plane_tolerance(&self) -> f64 {
+        self.plane_tolerance
+    }
+
+    /// Where the members of a region begin among those of all regions.
+    pub(super) fn first_member(&self, region: u32) -> usize {
+        self.first_members[region as usize]
+    }
+
+    /// How many members all regions have that have a locator.
+    pub(super) fn member_count(&self) -> usize {
+        self.first_members.last().copied().unwrap_or_default()
+    }
+
+    /// The region that a surface is in.
+    pub fn region_of(&self, surface: SurfaceId) -> u32 {
+        self.regions.region_of(surface)
+    }
+
+    /// The surface that holds a point of a region, and the point's barycentric coordinates in it; both kinds of
+    /// coordinates have a common factor.
+    pub(super) fn surface_at(&self, region: u32, coordinates: [f64; 3]) -> (SurfaceId, [f64; 3]) {
+        let region = &self.regions.regions()[region as usize];
+        match &region.locator {
+            None => (region.surfaces[0], coordinates),
+            Some(locator) => {
+                let member = &locator.members()[locator.locate(coordinates.map(|e| e as f32))];
+                let barycentric = member.barycentric.map(|row| {
+                    row.iter()
+                        .zip(coordinates)
+                        .map(|(&factor, e)| factor * e)
+                        .sum()
+                });
+                (member.surface, barycentric)
+            }
+        }
+    }
+}
