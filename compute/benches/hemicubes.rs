@@ -50,7 +50,7 @@ fn item_buffers(c: &mut Criterion, name: &str, scenes: &[Scene]) {
     let mut group = c.benchmark_group(format!("item_buffer_{HEMICUBES}x/{name}"));
     for scene in scenes {
         let hemicubes = one_a_patch(scene);
-        let mut drawer = HemicubeDrawer::new(scene, RESOLUTION);
+        let mut drawer = HemicubeDrawer::new(hemicubes.drawable(), RESOLUTION);
         let patches = patches(scene);
         group.bench_function(BenchmarkId::from_parameter(scene.patch_count()), |b| {
             b.iter(|| {

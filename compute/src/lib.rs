@@ -8,6 +8,7 @@
 pub mod backend;
 pub mod certificate;
 pub mod cli;
+pub mod compact_rows;
 pub mod cpu;
 pub mod delta_form_factors;
 mod form_factors_csv;

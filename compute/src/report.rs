@@ -79,6 +79,10 @@ pub struct Report {
     pub residuals: Vec<f64>,
     /// What they tell of the way that is left; null where there are too few of them.
     pub convergence: Option<Convergence>,
+    /// What a radiosity is likely to lack, over the patch's reflectance, W/m^2, by channel; shooting
+    /// only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ambient_radiosity: Option<[f64; 3]>,
     /// Power balance.
     pub energy: Energy,
     /// Row sums; null where no row was drawn in this run.
@@ -134,8 +138,10 @@ pub struct BackendReport {
 pub struct RowsReport {
     /// Rows kept.
     pub kept: u64,
-    /// Their memory.
+    /// Their memory, all of it counted.
     pub kept_bytes: u64,
+    /// The same for each form factor that is not zero; null where no row is kept.
+    pub bytes_per_entry: Option<f64>,
 }
 
 /// Seconds by stage.

@@ -8,9 +8,10 @@ use std::time::{Duration, Instant};
 use scene::PatchId;
 
 use crate::certificate::Received;
+use crate::compact_rows::{CompactRows, Exact, Row};
 use crate::hemicubes::Hemicubes;
 use crate::interrupt;
-use crate::rows::{BackendError, Entry, RowBatch, RowSource, Unseen};
+use crate::rows::{BackendError, RowSource, Unseen};
 
 /// All rows of a scene, as far as anybody asks for them.
 pub struct RowCache<'a> {
@@ -19,9 +20,10 @@ pub struct RowCache<'a> {
     patch_count: u32,
     budget_bytes: u64,
     /// Batches by their first patch.
-    kept: BTreeMap<u32, RowBatch>,
+    kept: BTreeMap<u32, CompactRows>,
     /// The last batch that did not fit.
-    passing: RowBatch,
+    passing: CompactRows,
+    exact: Exact,
     /// One per patch; `None`: not drawn in this run.
     unseen: Vec<Option<Unseen>>,
     /// What the rows that were drawn in this run send to each patch.
@@ -40,6 +42,26 @@ pub struct RowStatistics {
     pub kept_bytes: u64,
     /// Rows that are kept.
     pub kept_rows: u64,
+    /// Their entries.
+    pub kept_entries: u64,
+    /// Rows that did not fit, each counted as often as it was drawn.
+    pub left_out_rows: u64,
+    /// Their memory, bytes.
+    pub left_out_bytes: u64,
+}
+
+impl RowStatistics {
+    /// Memory an entry of the kept rows takes, bytes; `None` where none is kept.
+    pub fn bytes_per_entry(&self) -> Option<f64> {
+        (self.kept_entries > 0).then(|| self.kept_bytes as f64 / self.kept_entries as f64)
+    }
+
+    /// About the memory that all of so many rows would take, bytes, told by those that were drawn.
+    pub fn bytes_of_all(&self, rows: u32) -> u64 {
+        let bytes = (self.kept_bytes + self.left_out_bytes) as f64;
+        let drawn = self.kept_rows + self.left_out_rows;
+        (bytes / drawn.max(1) as f64 * f64::from(rows)) as u64
+    }
 }
 
 impl<'a> RowCache<'a> {
@@ -56,7 +78,8 @@ impl<'a> RowCache<'a> {
             patch_count: scene.patch_count(),
             budget_bytes,
             kept: BTreeMap::new(),
-            passing: RowBatch::new(0),
+            passing: CompactRows::new(),
+            exact: Exact::new(&scene.patch_emissions()),
             unseen: vec![None; scene.patch_count() as usize],
             received: Received::new(&scene.patch_areas()),
             statistics: RowStatistics::default(),
@@ -94,7 +117,7 @@ impl<'a> RowCache<'a> {
     /// What `take` and the back end say; [`io::ErrorKind::Interrupted`] where the user asked.
     pub fn for_each_row(
         &mut self,
-        mut take: impl FnMut(u32, &[Entry]) -> io::Result<()>,
+        mut take: impl FnMut(u32, Row) -> io::Result<()>,
     ) -> io::Result<()> {
         let mut patch = 0;
         while patch < self.patch_count {
@@ -123,8 +146,23 @@ impl<'a> RowCache<'a> {
     }
 
     /// A batch that holds the row of `patch`, which exists; where the row must be drawn, the batch
-    /// starts with it.
-    pub fn batch_with(&mut self, patch: u32) -> Result<&RowBatch, BackendError> {
+    /// starts with it, and those that follow are drawn along.
+    pub fn batch_with(&mut self, patch: u32) -> Result<&CompactRows, BackendError> {
+        let most = self.source.preferred_batch().max(1);
+        self.batch_of(patch, most)
+    }
+
+    /// The same for one who does not go on with the rows that follow: once rows do not fit any more, none are
+    /// drawn along, since they would not be kept.
+    pub fn batch_for_one(&mut self, patch: u32) -> Result<&CompactRows, BackendError> {
+        if self.statistics.left_out_rows > 0 {
+            self.batch_of(patch, 1)
+        } else {
+            self.batch_with(patch)
+        }
+    }
+
+    fn batch_of(&mut self, patch: u32, most: u32) -> Result<&CompactRows, BackendError> {
         let before = self.kept.range(..=patch).next_back();
         if let Some((&first, batch)) = before
             && batch.patches().contains(&patch)
@@ -139,26 +177,51 @@ impl<'a> RowCache<'a> {
             .range(patch..)
             .next()
             .map_or(self.patch_count, |(&first, _)| first);
-        let end = next_kept.min(patch + self.source.preferred_batch().max(1));
+        let end = next_kept.min(patch + most);
         let start = Instant::now();
-        let mut batch = self.source.draw_rows(patch..end)?;
+        let drawn = self.source.draw_rows(patch..end)?;
+        let batch = CompactRows::encode(&drawn, &self.exact);
         self.statistics.duration += start.elapsed();
         self.statistics.hemicubes +=
             self.hemicubes.first(PatchId(end)) - self.hemicubes.first(PatchId(patch));
-        let drawn = &mut self.unseen[patch as usize..end as usize];
-        self.received.add(&batch, |k: usize| drawn[k].is_none());
-        for (k, unseen) in drawn.iter_mut().enumerate() {
-            *unseen = Some(batch.unseen(k));
+        let unseen = &mut self.unseen[patch as usize..end as usize];
+        self.received.add(&drawn, |k: usize| unseen[k].is_none());
+        for (k, unseen) in unseen.iter_mut().enumerate() {
+            *unseen = Some(drawn.unseen(k));
         }
-        // Shrunk before it is weighed: growing by doubling may have taken twice what it holds.
-        batch.shrink();
         if self.statistics.kept_bytes + batch.bytes() <= self.budget_bytes {
             self.statistics.kept_bytes += batch.bytes();
             self.statistics.kept_rows += u64::from(end - patch);
+            self.statistics.kept_entries += batch.entries();
             Ok(self.kept.entry(patch).or_insert(batch))
         } else {
+            self.statistics.left_out_rows += u64::from(end - patch);
+            self.statistics.left_out_bytes += batch.bytes();
             self.passing = batch;
             Ok(&self.passing)
         }
+    }
+
+    /// The rows of consecutive patches, beginning with a batch that holds the row of `patch`, which exists:
+    /// kept ones of about so many bytes, or one batch that must be drawn.
+    pub fn batches_with(
+        &mut self,
+        patch: u32,
+        bytes: u64,
+    ) -> Result<Vec<&CompactRows>, BackendError> {
+        let first = self.batch_with(patch)?;
+        let mut end = first.patches().end;
+        let start = first.patches().start;
+        if !self.kept.contains_key(&start) {
+            return Ok(vec![&self.passing]);
+        }
+        let mut left = bytes;
+        let run = self.kept.range(start..).take_while(|&(&first, batch)| {
+            let goes_on = first == start || (first == end && left > 0);
+            end = batch.patches().end;
+            left = left.saturating_sub(batch.bytes());
+            goes_on
+        });
+        Ok(run.map(|(_, batch)| batch).collect())
     }
 }

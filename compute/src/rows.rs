@@ -65,13 +65,6 @@ impl RowBatch {
         self.unseen.extend_from_slice(&next.unseen);
     }
 
-    /// Gives back the memory that growing took in advance.
-    pub fn shrink(&mut self) {
-        self.entries.shrink_to_fit();
-        self.ends.shrink_to_fit();
-        self.unseen.shrink_to_fit();
-    }
-
     /// The patches whose rows these are.
     pub fn patches(&self) -> Range<u32> {
         self.first_patch..self.first_patch + self.ends.len() as u32
@@ -86,14 +79,6 @@ impl RowBatch {
     /// What the batch's k-th patch does not see as patches.
     pub fn unseen(&self, k: usize) -> Unseen {
         self.unseen[k]
-    }
-
-    /// Memory it takes, bytes.
-    pub fn bytes(&self) -> u64 {
-        (size_of::<Self>()
-            + self.entries.capacity() * size_of::<Entry>()
-            + self.ends.capacity() * size_of::<usize>()
-            + self.unseen.capacity() * size_of::<Unseen>()) as u64
     }
 }
 

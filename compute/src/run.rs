@@ -13,11 +13,12 @@ use crate::hemicubes::Hemicubes;
 use crate::lamps::with_lamps;
 use crate::problem::Problem;
 use crate::progress::{Position, Progress};
+use crate::quantity::show_size;
 use crate::report::{self, BackendReport, Report, RowsReport, Seconds, SettingsReport, StoppedBy};
 use crate::row_cache::RowCache;
 use crate::settings::{Settings, SolverChoice};
 use crate::solver::convergence::Convergence;
-use crate::solver::{Gather, Shoot, Solver, Update};
+use crate::solver::{Gather, Shoot, Solver, Update, ambient_radiosity};
 use crate::{certificate, form_factors_csv, interrupt, view_factors};
 
 /// Does what was asked for, and says on standard error what a user should know on the way.
@@ -128,6 +129,7 @@ impl<'a> Run<'a> {
             energy.imbalance,
             solution.provenance.residuals.last().copied(),
         );
+        let ambient_radiosity = ambient_radiosity(&Problem::new(&scene), &solution);
         let report = Report {
             version: env!("CARGO_PKG_VERSION"),
             input: settings.input.display().to_string(),
@@ -143,6 +145,7 @@ impl<'a> Run<'a> {
             rows: RowsReport {
                 kept: statistics.kept_rows,
                 kept_bytes: statistics.kept_bytes,
+                bytes_per_entry: statistics.bytes_per_entry(),
             },
             seconds: self.seconds,
             peak_memory_bytes: report::peak_memory_bytes(),
@@ -151,6 +154,7 @@ impl<'a> Run<'a> {
             next_iteration_share: solution.next_iteration_share(),
             convergence: Convergence::new(settings.solver, &solution.provenance.residuals),
             residuals: solution.provenance.residuals,
+            ambient_radiosity: ambient_radiosity.map(Into::into),
             energy,
             closure,
             back_face_share,
@@ -191,6 +195,7 @@ impl<'a> Run<'a> {
             );
             solution.unfinished = None;
             solution.unshot = None;
+            solution.remainder = None;
             // They tell nothing about these settings, neither now nor in a file that is continued
             // before these settings have done an iteration.
             solution.provenance.residuals.clear();
@@ -211,6 +216,7 @@ impl<'a> Run<'a> {
         let mut progress =
             Progress::new(settings.tolerance, solver.iterations(), solver.residual());
         let mut last_checkpoint = Instant::now();
+        let mut is_shortage_said = false;
         let stopped_by = loop {
             if solver.residual().is_some_and(|r| !r.is_finite()) {
                 anyhow::bail!(
@@ -237,6 +243,21 @@ impl<'a> Run<'a> {
             }
             let step = solver.step(rows)?;
             let statistics = rows.statistics();
+            // Once as much was drawn as there is: by then it is known what fits.
+            if !is_shortage_said
+                && statistics.left_out_rows > 0
+                && statistics.kept_rows + statistics.left_out_rows >= scene.patch_count().into()
+            {
+                is_shortage_said = true;
+                progress.say(&format!(
+                    "compute: {} of {} rows of form factors are kept, the others are drawn again whenever they \
+                     are needed; --memory {} would keep all",
+                    statistics.kept_rows,
+                    scene.patch_count(),
+                    show_size(statistics.bytes_of_all(scene.patch_count()) / 100 * 110 + (1 << 16))
+                        .replace(' ', ""),
+                ));
+            }
             progress.show(Position {
                 iterations: solver.iterations(),
                 share_done: step.share_done,

@@ -66,8 +66,8 @@ impl ViewFactors {
     }
 
     /// Adds a patch's row.
-    pub fn add(&mut self, from: u32, row: &[Entry]) {
-        for entry in row {
+    pub fn add(&mut self, from: u32, row: impl Iterator<Item = Entry> + Clone) {
+        for entry in row.clone() {
             self.units[self.objects[entry.patch as usize].index()] += f64::from(entry.units);
         }
         let area = self.patch_areas[from as usize];
@@ -152,7 +152,7 @@ pub fn save(path: &Path, scene: &Scene, rows: &mut RowCache) -> anyhow::Result<(
     write_atomically(path, |out| {
         let mut view_factors = ViewFactors::new(scene);
         rows.for_each_row(|from, row| {
-            view_factors.add(from, row);
+            view_factors.add(from, row.into_iter());
             Ok(())
         })?;
         view_factors.write(out, scene)

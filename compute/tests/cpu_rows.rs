@@ -4,8 +4,8 @@ mod common;
 
 use std::sync::Arc;
 
-use compute::cpu::CpuRows;
 use compute::cpu::item_buffer::{BACK_FACE, HemicubeDrawer, NOTHING};
+use compute::cpu::{CpuRows, Drawable};
 use compute::hemicube::{self, Frame};
 use compute::hemicubes::Hemicubes;
 use compute::rows::{RowBatch, RowSource, UNITS_PER_ONE, Unseen};
@@ -102,7 +102,7 @@ fn item_buffer_agrees_with_ray_casting() {
     let materials = vec![common::material(0.5, 0.0), common::material(0.3, 2.0)];
     let scene = common::scene(materials, surfaces, 0.07);
     let resolution = 24;
-    let mut drawer = HemicubeDrawer::new(&scene, resolution);
+    let mut drawer = HemicubeDrawer::new(&Arc::new(Drawable::new(&scene)), resolution);
     let (mut pixels, mut differing) = (0, 0);
     for patch in (0..scene.patch_count()).step_by(37).map(PatchId) {
         let frame = Hemicubes::new(&scene, settings(2, Points::CENTROID)).frames(patch)[0];

@@ -96,6 +96,8 @@ fn report_has_every_field_of_the_contract() {
         assert_eq!(found, Some(expected), "{path}");
     }
     assert!(number(&report, "/rows/kept_bytes") > 8.0 * patches);
+    assert!((2.0..8.0).contains(&number(&report, "/rows/bytes_per_entry")));
+    assert!(report.get("ambient_radiosity").is_none());
     // Less than a room of a hundred patches takes no program.
     assert!(
         (1e6..4e9).contains(&number(&report, "/peak_memory_bytes"))

@@ -48,6 +48,9 @@ pub struct Solution {
     pub unfinished: Option<Unfinished>,
     /// Unshot radiosity, W/m^2, one per patch, may be negative; shooting only.
     pub unshot: Option<Vec<Rgb>>,
+    /// What the exact sum of all that a patch received is more than its irradiance, W/m^2, one per patch, may
+    /// be negative and is less than a rounding; shooting only. Older files do not have it and go on without.
+    pub remainder: Option<Vec<Rgb>>,
 }
 
 impl Solution {
@@ -58,6 +61,7 @@ impl Solution {
             provenance: Provenance::default(),
             unfinished: None,
             unshot: None,
+            remainder: None,
         }
     }
 
@@ -69,6 +73,7 @@ impl Solution {
             (Some(&self.irradiance), true, 0.0),
             (unfinished, false, 0.0),
             (self.unshot.as_ref(), true, f32::MIN),
+            (self.remainder.as_ref(), true, f32::MIN),
         ] {
             let Some(values) = values else { continue };
             if values.len() > patches as usize || (complete && values.len() != patches as usize) {

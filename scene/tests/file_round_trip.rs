@@ -64,17 +64,27 @@ fn any_solution(scene: &Scene) -> impl Strategy<Value = Solution> + use<> {
     let patches = scene.patch_count() as usize;
     let values = || vec(rgb(f32::INFINITY), patches);
     // A correction that is still to be shot may be negative.
-    let unshot = (rgb(f32::INFINITY), any::<bool>())
-        .prop_map(|(v, is_negative)| if is_negative { -v } else { v });
+    let unshot = || {
+        (rgb(f32::INFINITY), any::<bool>())
+            .prop_map(|(v, is_negative)| if is_negative { -v } else { v })
+    };
     (
         values(),
         proptest::option::of(vec(rgb(f32::INFINITY), 0..=patches)),
-        proptest::option::of(vec(unshot, patches)),
+        proptest::option::of(vec(unshot(), patches)),
+        proptest::option::of(vec(unshot(), patches)),
         any::<(String, String, u64)>(),
         vec(-1e300_f64..1e300, 0..5),
     )
         .prop_map(
-            |(irradiance, unfinished, unshot, (solver, settings, iterations), residuals)| {
+            |(
+                irradiance,
+                unfinished,
+                unshot,
+                remainder,
+                (solver, settings, iterations),
+                residuals,
+            )| {
                 Solution {
                     irradiance,
                     provenance: Provenance {
@@ -85,6 +95,7 @@ fn any_solution(scene: &Scene) -> impl Strategy<Value = Solution> + use<> {
                     },
                     unfinished: unfinished.map(|irradiance| Unfinished { irradiance }),
                     unshot,
+                    remainder,
                 }
             },
         )

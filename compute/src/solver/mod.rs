@@ -10,7 +10,7 @@ mod shoot;
 use scene::Solution;
 
 pub use gather::{Gather, Update};
-pub use shoot::Shoot;
+pub use shoot::{Shoot, ambient_radiosity};
 
 use crate::row_cache::RowCache;
 use crate::rows::BackendError;

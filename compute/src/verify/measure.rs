@@ -7,11 +7,12 @@ use scene::{Provenance, Rgb, Scene, Solution};
 use super::case::{Case, Expected, Measure};
 use super::{Accuracy, VerifyError, dense, path_tracer};
 use crate::backend;
+use crate::compact_rows::Row;
 use crate::hemicubes::Hemicubes;
 use crate::lamps::with_lamps;
 use crate::problem::Problem;
 use crate::row_cache::RowCache;
-use crate::rows::{Entry, UNITS_PER_ONE};
+use crate::rows::UNITS_PER_ONE;
 use crate::settings::{BackendChoice, SolverChoice};
 use crate::solver::{Gather, Shoot, Solver, Update};
 
@@ -148,7 +149,7 @@ impl Bench<'_> {
     fn each_row(
         &mut self,
         patches: std::ops::Range<u32>,
-        mut each: impl FnMut(u32, &[Entry]),
+        mut each: impl FnMut(u32, Row),
     ) -> Result<(), VerifyError> {
         let mut patch = patches.start;
         while patch < patches.end {
@@ -189,7 +190,7 @@ impl Bench<'_> {
         for run in self.patches_of(from) {
             self.each_row(run, |i, row| {
                 let units: f64 = row
-                    .iter()
+                    .into_iter()
                     .filter(|entry| is_target[entry.patch as usize])
                     .map(|entry| f64::from(entry.units))
                     .sum();
@@ -221,7 +222,7 @@ impl Bench<'_> {
     fn row_sums(&mut self) -> Result<Vec<f64>, VerifyError> {
         let mut sums = Vec::new();
         self.each_row(0..self.scene.patch_count(), |_, row| {
-            let units: f64 = row.iter().map(|entry| f64::from(entry.units)).sum();
+            let units: f64 = row.into_iter().map(|entry| f64::from(entry.units)).sum();
             sums.push(units / f64::from(UNITS_PER_ONE));
         })?;
         Ok(sums)

@@ -204,9 +204,9 @@ pub fn largest_reflectance(scene: &Scene) -> f64 {
 /// the solution. Left over are, for gathering, q times the last change; for shooting, q times what is
 /// unshot.
 ///
-/// Gathering rounds each radiosity anew in each iteration. A shot rounds what each patch has received,
-/// which is not shot on, and what each has unshot, which is: twice, of unshot powers that the residuals
-/// tell, at most 1 before the first shot. Taking over is a shot of each patch, and a difference of two
+/// Gathering rounds each radiosity anew in each iteration. A shot rounds what each patch has received to
+/// two f32s, which is not shot on, and what each has unshot, which is: twice, of unshot powers that the
+/// residuals tell, at most 1 before the first shot. Taking over is a shot of each patch, and a difference of two
 /// radiosities.
 pub fn error_bound(
     scene: &Scene,
@@ -224,7 +224,7 @@ pub fn error_bound(
         let shots = residuals.len() as f64 + f64::from(scene.patch_count());
         let unshot_powers = 1.0 + residuals.iter().sum::<f64>();
         let passed_on = q * left + (2.0 * unshot_powers + ROUNDINGS_PER_RADIOSITY) * ROUNDING;
-        shots * ROUNDING + passed_on / (1.0 - q)
+        (ROUNDINGS_PER_RADIOSITY + shots * ROUNDING) * ROUNDING + passed_on / (1.0 - q)
     } else {
         iterate(solver, rows, 1);
         let after = radiosity(scene, &solver.snapshot());

@@ -1,6 +1,9 @@
 //! Surfaces that lie in each other, bodies that cut each other, and patches inside bodies.
 
+use std::sync::Arc;
+
 use compute::certificate::certify;
+use compute::cpu::Drawable;
 use compute::cpu::item_buffer::{BACK_FACE, HemicubeDrawer};
 use compute::hemicube::Frame;
 use compute::rows::{RowBatch, UNITS_PER_ONE};
@@ -180,8 +183,8 @@ fn rays_along_the_silhouette_of_a_solid_never_see_its_inside() {
             let mut surfaces = hall.clone();
             surfaces.extend(block(low, high, true, 0));
             let scene = common::scene(vec![material(0.5, 1.0)], surfaces, f64::INFINITY);
-            let ids =
-                HemicubeDrawer::new(&scene, resolution).item_buffer(PatchId(own as u32), &frame);
+            let ids = HemicubeDrawer::new(&Arc::new(Drawable::new(&scene)), resolution)
+                .item_buffer(PatchId(own as u32), &frame);
             let backs = ids.iter().filter(|&&id| id == BACK_FACE).count();
             assert_eq!(backs, 0, "{low} {high}");
         }

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use compute::cpu::CpuRows;
 use compute::cpu::item_buffer::{BACK_FACE, HemicubeDrawer, NOTHING};
+use compute::cpu::{CpuRows, Drawable};
 use compute::hemicubes::Hemicubes;
 use compute::rows::{RowBatch, RowSource, UNITS_PER_ONE};
 use scene::{PatchId, Scene};
@@ -88,7 +88,7 @@ impl Comparison {
 /// Compares the twins on `count` patches, the cpu drawing `on_cpu` and the gpu `on_gpu`.
 fn compare(on_cpu: &Scene, on_gpu: &Scene, resolution: u32, count: u32) -> Option<Comparison> {
     let mut gpu = open(on_gpu, settings(resolution))?;
-    let mut cpu = HemicubeDrawer::new(on_cpu, resolution);
+    let mut cpu = HemicubeDrawer::new(&Arc::new(Drawable::new(on_cpu)), resolution);
     let mut comparison = Comparison::default();
     for patch in sample(on_cpu, count) {
         let frame = frame(on_cpu, patch);

@@ -67,6 +67,8 @@ pub mod kind {
     pub const UNFINISHED: u32 = 6;
     /// RGB unshot radiosities.
     pub const UNSHOT: u32 = 7;
+    /// RGB remainders of irradiances.
+    pub const REMAINDER: u32 = 8;
 }
 
 /// Names of materials and objects, in their order.

@@ -16,8 +16,9 @@
 //! | irradiance | 3 f32, W/m^2 | patches |
 //! | unfinished | 3 f32, W/m^2 | patches done |
 //! | unshot | 3 f32, W/m^2 | patches |
+//! | remainder | 3 f32, W/m^2 | patches |
 //!
-//! The last four are there when there is a solution (the last two when it has them). The header's
+//! The last five are there when there is a solution (the last three when it has them). The header's
 //! checksum (XXH3, 64 bits) covers every other byte of the file.
 //!
 //! # Safety of what is on disk

@@ -103,6 +103,7 @@ pub fn from_bytes(bytes: &[u8]) -> Result<(Scene, Option<Solution>), FileFault> 
         unfinished: optional(kind::UNFINISHED, "unfinished irradiance")?
             .map(|irradiance| Unfinished { irradiance }),
         unshot: optional(kind::UNSHOT, "unshot radiosity")?,
+        remainder: optional(kind::REMAINDER, "remainder of the irradiance")?,
     };
     solution.validate(&scene)?;
     Ok((scene, Some(solution)))

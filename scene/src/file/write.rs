@@ -134,6 +134,9 @@ pub fn to_bytes(scene: &Scene, solution: Option<&Solution>) -> Vec<u8> {
         if let Some(unshot) = &solution.unshot {
             file.records(kind::UNSHOT, unshot);
         }
+        if let Some(remainder) = &solution.remainder {
+            file.records(kind::REMAINDER, remainder);
+        }
     }
     file.finish(scene.origin().into())
 }

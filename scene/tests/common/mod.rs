@@ -61,6 +61,7 @@ pub fn small_solution(scene: &Scene) -> Solution {
             irradiance: values(2.0)[..3].to_vec(),
         }),
         unshot: Some(values(4.0)),
+        remainder: Some(values(5.0)),
     }
 }
 
