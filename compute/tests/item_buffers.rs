@@ -1,0 +1,158 @@
+//! What pixels see of walls that are made of many surfaces, asked one by one.
+
+mod common;
+
+use std::sync::Arc;
+
+use compute::cpu::{Cull, Drawable, Projection, Raster, Sample};
+use compute::hemicube::{self, Frame, Window};
+use genx::{Model, Settings};
+use glam::{DVec3, Vec3};
+use scene::{PatchId, Scene, Surface};
+
+/// How far from a patch, in pixels, a ray may meet its wall that is said to see it: walks may stay on a surface
+/// for 1/1024 of a pixel too long, and what is linear over a window of 100 pixels is right to some 1e-5.
+const BESIDE: f64 = 1.5 / 1024.0;
+
+/// Coordinates on walls are f32, relative to the wall: this share of the scene's size.
+const ROUNDING: f64 = 8.0 / (1 << 24) as f64;
+
+/// A box whose walls are n x n squares of two surfaces each.
+fn walls_of_squares(n: u32) -> Vec<Surface> {
+    let step = 1.0 / n as f32;
+    let walls = common::block(Vec3::ZERO, Vec3::new(3.0, 4.0, 2.5), false, 0);
+    walls
+        .chunks_exact(2)
+        .flat_map(|wall| {
+            let [a, b, c] = wall[0].corners;
+            let (along, across) = (b - a, c - b);
+            (0..n * n).flat_map(move |k| {
+                let at = |i: u32, j: u32| {
+                    a + along * (step * (k % n + i) as f32) + across * (step * (k / n + j) as f32)
+                };
+                common::quad([at(0, 0), at(1, 0), at(1, 1), at(0, 1)], 0)
+            })
+        })
+        .collect()
+}
+
+fn made(model: Model, max_area: f64) -> Scene {
+    let settings = Settings {
+        max_area: Some(max_area),
+        ..Settings::new(model)
+    };
+    genx::make(&settings).unwrap().scene
+}
+
+fn scenes() -> Vec<Scene> {
+    let squares =
+        |area| common::scene(vec![common::material(0.5, 1.0)], walls_of_squares(12), area);
+    vec![
+        squares(f64::INFINITY),
+        squares(0.01),
+        made(Model::Hall, 5.0),
+        made(Model::Cornell, 4e-4),
+    ]
+}
+
+/// Distance of a point from a triangle, metres.
+fn distance(p: DVec3, corners: [DVec3; 3]) -> f64 {
+    let [a, b, c] = corners;
+    let normal = (b - a).cross(c - a).normalize();
+    let sides = [(a, b), (b, c), (c, a)];
+    let is_over = |&(from, to): &(DVec3, DVec3)| normal.cross(to - from).dot(p - from) >= 0.0;
+    if sides.iter().all(is_over) {
+        return normal.dot(p - a).abs();
+    }
+    sides
+        .iter()
+        .map(|&(from, to)| {
+            let along = (p - from).dot(to - from) / from.distance_squared(to);
+            p.distance(from.lerp(to, along.clamp(0.0, 1.0)))
+        })
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// Where the ray through a place in a window, in pixels, meets the plane of a patch.
+fn hit(scene: &Scene, frame: &Frame, window: &Window, patch: PatchId, [i, j]: [f64; 2]) -> DVec3 {
+    let local = window.forward
+        + (window.left + i * window.pixel) * window.right
+        + (window.bottom + j * window.pixel) * window.up;
+    let direction = frame.to_scene(local);
+    let geometry = scene.patch(patch);
+    let normal = scene.surface(geometry.surface).normal();
+    let point = geometry.corners[0].as_dvec3();
+    frame.position + direction * ((point - frame.position).dot(normal) / direction.dot(normal))
+}
+
+/// Rows of pixels are walked from surface to surface; still each pixel's ray meets the patch it is said to see.
+#[test]
+fn pixels_see_the_patches_that_their_rays_meet() {
+    for scene in scenes() {
+        let drawable = Arc::new(Drawable::new(&scene));
+        assert!(drawable.regions().regions().len() * 3 < scene.surfaces().len());
+        let [low, high] = scene.bounds();
+        let rounding = ROUNDING * f64::from((high - low).max_element());
+        let mut projection = Projection::new(&drawable);
+        let mut raster = Raster::default();
+        let mut seen = 0_u32;
+        for k in 0..24 {
+            let patch = PatchId((u64::from(scene.patch_count()) * k / 24) as u32);
+            let geometry = scene.patch(patch);
+            let own = geometry.surface;
+            let turn = 0.7 * k as f64;
+            let normal = scene.surface(own).normal();
+            let frame = Frame::on_patch(&geometry, normal, geometry.centroid(), turn);
+            projection.set(&frame, Some(own), true, Cull::Nothing);
+            for (face, window) in hemicube::windows(100).iter().enumerate() {
+                raster.draw_face(&projection, face, window);
+                raster.for_each_row(&projection, u32::MAX, u32::MAX, |j, ids| {
+                    for (i, &id) in ids.iter().enumerate().filter(|(_, id)| **id != u32::MAX) {
+                        let at = |di: f64, dj: f64| {
+                            let place = [i as f64 + 0.5 + di, j as f64 + 0.5 + dj];
+                            hit(&scene, &frame, window, PatchId(id), place)
+                        };
+                        let point = at(0.0, 0.0);
+                        let corners = scene.patch(PatchId(id)).corners.map(Vec3::as_dvec3);
+                        let beside = distance(point, corners);
+                        // Towards the horizon of a wall a step is longer on one side than on the other.
+                        let reach = [at(BESIDE, 0.0), at(-BESIDE, 0.0), at(0.0, BESIDE)]
+                            .map(|p| p.distance(point));
+                        let allowed = rounding + reach.iter().sum::<f64>();
+                        assert!(
+                            beside <= allowed,
+                            "{patch:?}, face {face}, pixel {i} {j}: {id} is {beside:e} > {allowed:e} away"
+                        );
+                        seen += 1;
+                    }
+                });
+            }
+        }
+        assert!(seen > 24 * 20_000, "{seen}");
+    }
+}
+
+/// Faces leave out what has a bit of theirs; without, all is drawn, and the picture is the same.
+#[test]
+fn a_face_is_what_its_window_sees_of_everything() {
+    for scene in scenes() {
+        let drawable = Arc::new(Drawable::new(&scene));
+        let mut projection = Projection::new(&drawable);
+        let (mut face_raster, mut raster) = (Raster::default(), Raster::default());
+        for k in 0..24 {
+            let patch = PatchId((u64::from(scene.patch_count()) * k / 24) as u32);
+            let geometry = scene.patch(patch);
+            let normal = scene.surface(geometry.surface).normal();
+            let frame = Frame::on_patch(&geometry, normal, geometry.centroid(), 0.7 * k as f64);
+            projection.set(&frame, Some(geometry.surface), true, Cull::Nothing);
+            for (face, window) in hemicube::windows(32).iter().enumerate() {
+                face_raster.draw_face(&projection, face, window);
+                raster.draw(&projection, window);
+                for (i, j) in (0..window.height).flat_map(|j| (0..32).map(move |i| (i, j))) {
+                    let sample: Sample = raster.sample(&projection, i, j);
+                    assert_eq!(face_raster.sample(&projection, i, j), sample);
+                }
+            }
+        }
+    }
+}
