@@ -3,11 +3,13 @@
 mod drawable;
 pub mod item_buffer;
 mod look_up;
+mod outside;
 mod projection;
 mod raster;
 pub mod regions;
 pub mod rows;
 mod runs;
+mod walk;
 
 pub use drawable::Drawable;
 pub use projection::{COORDINATE_ULPS, Cull, Projection, is_in_plane, plane_tolerance, reach};

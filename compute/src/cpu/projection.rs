@@ -28,6 +28,7 @@ use glam::{DVec3, Vec3};
 use scene::{Scene, Surface, SurfaceId};
 
 use super::drawable::Drawable;
+use super::outside;
 use crate::hemicube::{Frame, Window};
 
 /// Back faces are drawn this much too deep, so that a pixel on the silhouette of a solid, where a
@@ -56,7 +57,7 @@ pub(super) struct Projected {
     pub region: u32,
     /// True where the eye is behind it.
     pub is_back_face: bool,
-    /// Bits that all its corners have in common, see [`outside_bits`].
+    /// Bits that all its corners have in common, see [`outside`].
     pub outside: u32,
 }
 
@@ -82,7 +83,7 @@ pub struct Projection<'a> {
     pub(super) edges: Vec<Edge>,
     /// All vertices of the scene, axis after axis, relative to the eye, metres.
     vertices: [Vec<f64>; 3],
-    /// See [`outside_bits`]; one per vertex.
+    /// See [`outside`]; one per vertex.
     outside: Vec<u32>,
 }
 
@@ -110,42 +111,6 @@ pub fn reach(surface: &Surface) -> DVec3 {
     let [p0, p1, p2] = surface.corners.map(Vec3::abs);
     p0.max(p1).max(p2).as_dvec3()
 }
-
-/// The sides of the hemicube's faces and the horizon, each a bit that is set where a point is beyond it: where it is outside of
-/// the faces of [`OUTSIDE_OF_FACE`]. What has a bit set for all its corners is outside altogether.
-#[inline(always)]
-fn outside_bits(x: f64, y: f64, z: f64) -> u32 {
-    let bit = |is_set: bool, k: u32| u32::from(is_set) << k;
-    bit(z <= 0.0, 0)
-        | bit(x <= 0.0, 1)
-        | bit(x >= 0.0, 2)
-        | bit(y <= 0.0, 3)
-        | bit(y >= 0.0, 4)
-        | bit(x > z, 5)
-        | bit(-x > z, 6)
-        | bit(y > z, 7)
-        | bit(-y > z, 8)
-        | bit(x < z, 9)
-        | bit(-x < z, 10)
-        | bit(y < z, 11)
-        | bit(-y < z, 12)
-        | bit(y > x, 13)
-        | bit(y < x, 14)
-        | bit(y > -x, 15)
-        | bit(y < -x, 16)
-}
-
-/// At or below the horizon.
-const BELOW_HORIZON: u32 = 1;
-
-/// By the faces of [`crate::hemicube::windows`]: the bits that mean that a point cannot be seen there.
-pub(super) const OUTSIDE_OF_FACE: [u32; 5] = [
-    1 << 0 | 1 << 5 | 1 << 6 | 1 << 7 | 1 << 8,
-    1 << 0 | 1 << 1 | 1 << 9 | 1 << 13 | 1 << 16,
-    1 << 0 | 1 << 3 | 1 << 11 | 1 << 14 | 1 << 16,
-    1 << 0 | 1 << 2 | 1 << 10 | 1 << 14 | 1 << 15,
-    1 << 0 | 1 << 4 | 1 << 12 | 1 << 13 | 1 << 15,
-];
 
 impl<'a> Projection<'a> {
     /// A projection that nothing is in.
@@ -209,7 +174,7 @@ impl<'a> Projection<'a> {
                     for (axis, value) in self.vertices.iter_mut().zip(q.to_array()) {
                         axis[vertex] = value;
                     }
-                    self.outside[vertex] = outside_bits(q.x, q.y, q.z);
+                    self.outside[vertex] = outside::bits(q.x, q.y, q.z);
                 }
             }
             dispatch!(self.level, simd => set_regions(
@@ -260,14 +225,14 @@ impl<'a> Projection<'a> {
         let sign = if is_back_face { 1.0 } else { -1.0 };
         let retreat = if is_back_face { BACK_FACE_RETREAT } else { 1.0 };
         let normal = frame.vector_to_local(facts.normal);
-        let ranges = drawable.regions();
-        for piece in ranges.regions()[region as usize].pieces.clone() {
-            let ids = ranges.corners(piece as usize);
+        let regions = drawable.regions();
+        for piece in regions.regions()[region as usize].pieces.clone() {
+            let ids = regions.corners(piece as usize);
             let common = ids
                 .iter()
                 .fold(u32::MAX, |bits, &id| bits & outside[id as usize]);
             if horizon {
-                if common & BELOW_HORIZON != 0 {
+                if common & outside::NOT_ABOVE_HORIZON != 0 {
                     continue;
                 }
                 let height = ids
@@ -346,7 +311,7 @@ fn set_regions<S: Simd>(
     }
 }
 
-/// All vertices in a frame, and their bits of [`outside_bits`].
+/// All vertices in a frame, and their bits of [`outside`].
 #[simd]
 fn to_local<S: Simd>(
     simd: S,
@@ -365,7 +330,7 @@ fn to_local<S: Simd>(
         to_z[k] = q.z;
     }
     for k in 0..count {
-        outside[k] = outside_bits(to_x[k], to_y[k], to_z[k]);
+        outside[k] = outside::bits(to_x[k], to_y[k], to_z[k]);
     }
 }
 

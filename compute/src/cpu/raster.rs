@@ -17,7 +17,8 @@ use glam::DVec3;
 use scene::SurfaceId;
 
 use super::look_up::LookUp;
-use super::projection::{Edge, OUTSIDE_OF_FACE, Projection, over_pixels};
+use super::outside;
+use super::projection::{Edge, Projection, over_pixels};
 use crate::hemicube::Window;
 
 /// Front faces are drawn this much too large, in pixels, so that a ray through an edge or a corner
@@ -87,11 +88,11 @@ impl Raster {
 
     /// Draws a face of a hemicube: `window` is that of [`crate::hemicube::windows`].
     pub fn draw_face(&mut self, projection: &Projection, face: usize, window: &Window) {
-        self.draw_inside(projection, window, OUTSIDE_OF_FACE[face]);
+        self.draw_inside(projection, window, outside::OF_FACES[face]);
     }
 
-    /// Draws what is not outside by one of some of [`super::projection`]'s bits.
-    fn draw_inside(&mut self, projection: &Projection, window: &Window, outside: u32) {
+    /// Draws what none of the bits `beyond` of [`outside`] says of that it is outside.
+    fn draw_inside(&mut self, projection: &Projection, window: &Window, beyond: u32) {
         self.window = Some(*window);
         let pixels = (window.width + PADDING) * window.height;
         self.inverse_depth.clear();
@@ -106,7 +107,7 @@ impl Raster {
             ..
         } = self;
         dispatch!(*level, simd => draw(
-            simd, projection, outside, window, spans, inverse_depth, pieces
+            simd, projection, beyond, window, spans, inverse_depth, pieces
         ));
     }
 
@@ -282,7 +283,7 @@ fn row_range(corners: &[DVec3], window: &Window) -> Option<(usize, usize)> {
 fn draw<S: Simd>(
     simd: S,
     projection: &Projection,
-    outside: u32,
+    beyond: u32,
     window: &Window,
     spans: &mut Spans,
     inverse_depth: &mut [f32],
@@ -291,7 +292,7 @@ fn draw<S: Simd>(
     let stride = window.width + PADDING;
     let lanes = S::f64s::LEN;
     for (index, seen) in projection.pieces.iter().enumerate() {
-        if seen.outside & outside != 0 {
+        if seen.outside & beyond != 0 {
             continue;
         }
         let part = seen.first as usize..seen.end as usize;

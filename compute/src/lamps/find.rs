@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::{DVec3, Vec3};
 use scene::{Scene, SurfaceId};
 
-use crate::cpu::{Drawable, is_in_plane, plane_tolerance, reach};
+use crate::cpu::{Drawable, is_in_plane, reach};
 
 /// Emitting surfaces that touch, in one plane or as a convex body.
 #[derive(Clone, Debug)]
@@ -30,7 +30,7 @@ pub(super) fn lamps(drawable: &Drawable) -> Vec<Lamp> {
         .map(SurfaceId)
         .filter(|&id| scene.material(scene.surface(id).material).is_emitter())
         .collect();
-    let tolerance = plane_tolerance(scene);
+    let tolerance = drawable.plane_tolerance();
     let alike = |a: SurfaceId, b: SurfaceId| scene.surface(a).material == scene.surface(b).material;
     let mut groups: Vec<Vec<SurfaceId>> = Vec::new();
     for body in touching(scene, &emitters, alike) {

@@ -9,7 +9,7 @@ use scene::{PatchId, Scene, SurfaceId};
 use super::find::Lamp;
 use super::merge::{is_in, merge};
 use super::piece::{Piece, pieces};
-use crate::cpu::{Cull, Projection, Raster, is_in_plane, plane_tolerance, reach};
+use crate::cpu::{Cull, Projection, Raster, is_in_plane, reach};
 use crate::hemicube::Frame;
 use crate::hemicubes::Hemicubes;
 use crate::polygon_form_factor::{in_front, point_to_polygon};
@@ -53,7 +53,7 @@ impl<'a> LampViewer<'a> {
             hemicubes: Arc::clone(hemicubes),
             lamps: Arc::clone(lamps),
             all,
-            plane_tolerance: plane_tolerance(hemicubes.scene()),
+            plane_tolerance: hemicubes.drawable().plane_tolerance(),
             all_surfaces: Projection::new(hemicubes.drawable()),
             lamp_alone: Projection::new(hemicubes.drawable()),
             raster: Raster::default(),
@@ -176,8 +176,8 @@ impl<'a> LampViewer<'a> {
         Ok(seen)
     }
 
-    /// Looks at a piece of one lamp from the point that the projections are set to and adds what is seen, times `share`. False where no
-    /// pixel meets the piece.
+    /// Looks at a piece of one lamp from the point that the projections are set to and adds what is seen, times
+    /// `share`. False where no pixel meets the piece.
     fn view(&mut self, lamp: usize, piece: &Piece, share: f64, seen: &mut Seen) -> bool {
         let lamp = &self.lamps[lamp];
         piece.weights(&mut self.weights);
