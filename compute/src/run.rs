@@ -15,7 +15,7 @@ use crate::problem::Problem;
 use crate::progress::{Position, Progress};
 use crate::quantity::show_size;
 use crate::report::{self, BackendReport, Report, RowsReport, Seconds, SettingsReport, StoppedBy};
-use crate::row_cache::RowCache;
+use crate::row_cache::{RowCache, RowStatistics};
 use crate::settings::{Settings, SolverChoice};
 use crate::solver::convergence::Convergence;
 use crate::solver::{Gather, Shoot, Solver, Update, ambient_radiosity};
@@ -243,20 +243,10 @@ impl<'a> Run<'a> {
             }
             let step = solver.step(rows)?;
             let statistics = rows.statistics();
-            // Once as much was drawn as there is: by then it is known what fits.
-            if !is_shortage_said
-                && statistics.left_out_rows > 0
-                && statistics.kept_rows + statistics.left_out_rows >= scene.patch_count().into()
+            if !is_shortage_said && let Some(shortage) = shortage(&statistics, scene.patch_count())
             {
+                progress.say(&shortage);
                 is_shortage_said = true;
-                progress.say(&format!(
-                    "compute: {} of {} rows of form factors are kept, the others are drawn again whenever they \
-                     are needed; --memory {} would keep all",
-                    statistics.kept_rows,
-                    scene.patch_count(),
-                    show_size(statistics.bytes_of_all(scene.patch_count()) / 100 * 110 + (1 << 16))
-                        .replace(' ', ""),
-                ));
             }
             progress.show(Position {
                 iterations: solver.iterations(),
@@ -300,6 +290,21 @@ impl<'a> Run<'a> {
         self.seconds.write += start.elapsed().as_secs_f64();
         Ok(saved?)
     }
+}
+
+/// What to say where rows do not fit, once as many were drawn as there are: by then it is known.
+fn shortage(statistics: &RowStatistics, rows: u32) -> Option<String> {
+    let drawn = statistics.kept_rows + statistics.left_out_rows;
+    (statistics.left_out_rows > 0 && drawn >= rows.into()).then(|| {
+        // A tenth more and a little: rows that were left out more than once may have weighed more in the mean.
+        let enough = statistics.bytes_of_all(rows) / 10 * 11 + (1 << 16);
+        format!(
+            "compute: {} of {rows} rows of form factors are kept, the others are drawn again whenever they are \
+             needed; --memory {} would keep all",
+            statistics.kept_rows,
+            show_size(enough).replace(' ', ""),
+        )
+    })
 }
 
 /// Checkpoints more often than this would do nothing but write.

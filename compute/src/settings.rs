@@ -136,6 +136,18 @@ pub struct FormFactorSettings {
     pub turns: Turns,
 }
 
+impl FormFactorSettings {
+    /// What a run does unless it is asked for something else, at some resolution.
+    pub fn new(resolution: u32) -> Self {
+        Self {
+            resolution,
+            maps: Maps::Exact,
+            points: Points::Auto,
+            turns: Turns::DEFAULT,
+        }
+    }
+}
+
 /// Everything `compute` is asked to do.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {

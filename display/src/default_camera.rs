@@ -14,8 +14,9 @@
 //!   the surfaces seen.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
-use compute::cpu::{Cull, Sample};
+use compute::cpu::{Cull, Drawable, Sample};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use scene::Scene;
@@ -145,10 +146,11 @@ fn outside(scene: &Scene, wishes: &Wishes) -> View {
             ));
         }
     }
+    let drawable = Arc::new(Drawable::new(scene));
     let scores: Vec<f64> = candidates
         .par_iter()
         .map_init(
-            || Probe::new(scene),
+            || Probe::new(&drawable),
             |probe, camera| {
                 probe.set_eye(camera.eye, wishes.cull);
                 let (mut fronts, mut backs) = (0.0, 0.0);
@@ -209,10 +211,11 @@ fn inside(scene: &Scene, wishes: &Wishes) -> Option<View> {
         })
         .collect();
     let critic = Critic::new(scene);
+    let drawable = Arc::new(Drawable::new(scene));
     let candidates: Vec<(Camera, f64)> = eyes
         .into_par_iter()
         .map_init(
-            || Probe::new(scene),
+            || Probe::new(&drawable),
             |probe, eye| {
                 probe.set_eye(eye, Cull::Nothing);
                 let mut candidates = Vec::new();

@@ -7,7 +7,9 @@
 //! - at least `MIN_FRONT_OPENING`, most of it through one side of the bounding box: a *stage*;
 //! - else a *room*.
 
-use compute::cpu::{Cull, Sample};
+use std::sync::Arc;
+
+use compute::cpu::{Cull, Drawable, Sample};
 use glam::DVec3;
 use rayon::prelude::*;
 use scene::Scene;
@@ -59,10 +61,11 @@ pub fn of(scene: &Scene) -> Kind {
             middle + half * ((2.0 * at + 1.0) / n as f64 - 1.0)
         })
         .collect();
+    let drawable = Arc::new(Drawable::new(scene));
     let openings: Vec<[f64; 6]> = points
         .into_par_iter()
         .map_init(
-            || Probe::new(scene),
+            || Probe::new(&drawable),
             |probe, point| openings(probe, point, middle, half),
         )
         .flatten()

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use compute::cpu::{Cull, Drawable, Projection, Raster, Sample};
 use compute::hemicube::Window;
 use glam::DVec3;
-use scene::Scene;
 
 use crate::camera::frame_at;
 
@@ -29,9 +28,9 @@ pub struct Ray {
 
 impl<'a> Probe<'a> {
     /// A probe in a scene.
-    pub fn new(scene: &'a Scene) -> Self {
+    pub fn new(drawable: &Arc<Drawable<'a>>) -> Self {
         Self {
-            projection: Projection::new(&Arc::new(Drawable::new(scene))),
+            projection: Projection::new(drawable),
             raster: Raster::default(),
         }
     }
@@ -46,16 +45,17 @@ impl<'a> Probe<'a> {
     pub fn look(&mut self, window: &Window, mut take: impl FnMut(Ray)) {
         self.raster.draw(&self.projection, window);
         for j in 0..window.height {
-            for i in 0..window.width {
+            let (raster, projection) = (&self.raster, &self.projection);
+            raster.for_each_sample(projection, j, 0..window.width, |i, sample| {
                 let x = window.left + (i as f64 + 0.5) * window.pixel;
                 let y = window.bottom + (j as f64 + 0.5) * window.pixel;
                 let direction = window.forward + x * window.right + y * window.up;
                 take(Ray {
                     direction,
-                    sample: self.raster.sample(&self.projection, i, j),
+                    sample,
                     solid_angle: window.pixel.powi(2) / direction.length().powi(3),
                 });
-            }
+            });
         }
     }
 

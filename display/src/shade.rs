@@ -214,21 +214,20 @@ impl<'a> Bands<'a> {
         let height = self.rows_of(band) * self.samples;
         for j in 0..height {
             let row = (height - 1 - j) / self.samples;
-            for i in 0..self.width * self.samples {
-                match raster.sample(&self.projection, i, j) {
-                    Sample::Nothing => {}
-                    Sample::BackFace(_) => seen.backs += 1,
-                    Sample::Front {
-                        surface,
-                        barycentric,
-                        ..
-                    } => {
-                        seen.fronts += 1;
-                        let (patch, local) = self.scene.mesh().locate(surface, barycentric);
-                        take(row * self.width + i / self.samples, patch, local);
-                    }
+            let pixels = 0..self.width * self.samples;
+            raster.for_each_sample(&self.projection, j, pixels, |i, sample| match sample {
+                Sample::Nothing => {}
+                Sample::BackFace(_) => seen.backs += 1,
+                Sample::Front {
+                    surface,
+                    barycentric,
+                    ..
+                } => {
+                    seen.fronts += 1;
+                    let (patch, local) = self.scene.mesh().locate(surface, barycentric);
+                    take(row * self.width + i / self.samples, patch, local);
                 }
-            }
+            });
         }
         seen
     }

@@ -2,8 +2,10 @@
 
 mod common;
 
+use std::sync::Arc;
+
 use common::{Builder, closed_cube};
-use compute::cpu::{Cull, Sample};
+use compute::cpu::{Cull, Drawable, Sample};
 use display::probe::Probe;
 use display::{Axis, Mode, Picture, RenderSettings, Size, render, shade, up};
 use glam::{DVec3, Vec3};
@@ -36,7 +38,7 @@ fn decode(picture: &Picture) -> Vec<Option<u32>> {
 
 /// Shares of a view's solid angle: fronts, backs, nothing.
 fn shares(scene: &Scene, picture: &Picture, cull: Cull) -> [f64; 3] {
-    let mut probe = Probe::new(scene);
+    let mut probe = Probe::new(&Arc::new(Drawable::new(scene)));
     probe.set_eye(picture.camera.eye, cull);
     let mut shares = [0.0; 3];
     probe.look(&picture.camera.window(picture.view, 1), |ray| {

@@ -56,9 +56,10 @@ pub(super) fn culprit(hemicubes: &Hemicubes, loss: Loss, worst: &[(usize, f64)])
                 let factors = delta_form_factors.face(face);
                 let mut below = vec![Sample::Nothing; window.width];
                 for j in 0..window.height {
-                    let row: Vec<Sample> = (0..window.width)
-                        .map(|i| raster.sample(&projection, i, j))
-                        .collect();
+                    let mut row = Vec::with_capacity(window.width);
+                    raster.for_each_sample(&projection, j, 0..window.width, |_, sample| {
+                        row.push(sample);
+                    });
                     blame.take(
                         &row,
                         (j > 0).then_some(&below),

@@ -101,21 +101,27 @@ impl<'a> Drawable<'a> {
     }
 
     /// The surface that holds a point of a region, and the point's barycentric coordinates in it; both kinds of
-    /// coordinates have a common factor.
-    pub(super) fn surface_at(&self, region: u32, coordinates: [f64; 3]) -> (SurfaceId, [f64; 3]) {
+    /// coordinates have a common factor. `last` is the member to try first, and then the one that was right.
+    pub(super) fn surface_at(
+        &self,
+        region: u32,
+        [u, v, w]: [f64; 3],
+        last: &mut usize,
+    ) -> (SurfaceId, [f64; 3]) {
         let region = &self.regions.regions()[region as usize];
-        match &region.locator {
-            None => (region.surfaces[0], coordinates),
-            Some(locator) => {
-                let member = &locator.members()[locator.locate(coordinates.map(|e| e as f32))];
-                let barycentric = member.barycentric.map(|row| {
-                    row.iter()
-                        .zip(coordinates)
-                        .map(|(&factor, e)| factor * e)
-                        .sum()
-                });
-                (member.surface, barycentric)
-            }
+        let Some(locator) = &region.locator else {
+            return (region.surfaces[0], [u, v, w]);
+        };
+        let barycentric = |index: usize| {
+            let [a, b, c] = &locator.members()[index].barycentric;
+            let dot = |row: &[f64; 3]| row[0] * u + row[1] * v + row[2] * w;
+            [dot(a), dot(b), dot(c)]
+        };
+        let mut at = barycentric(*last);
+        if at.iter().any(|&e| e < 0.0) {
+            *last = locator.locate([u as f32, v as f32, w as f32]);
+            at = barycentric(*last);
         }
+        (locator.members()[*last].surface, at)
     }
 }

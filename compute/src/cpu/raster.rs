@@ -149,29 +149,55 @@ impl Raster {
 
     /// What pixel (i, j) of the last picture sees.
     pub fn sample(&self, projection: &Projection, i: usize, j: usize) -> Sample {
-        let Some(window) = &self.window else {
-            return Sample::Nothing;
-        };
-        let index = self.pieces[j * (window.width + PADDING) + i];
-        let Some(seen) = projection.pieces.get(index as usize) else {
-            return Sample::Nothing;
-        };
-        let direction = window.forward
-            + (window.left + (i as f64 + 0.5) * window.pixel) * window.right
-            + (window.bottom + (j as f64 + 0.5) * window.pixel) * window.up;
-        let coordinates = projection.coordinates(seen.region);
-        let (surface, e) = projection
-            .drawable
-            .surface_at(seen.region, coordinates.map(|e| e.dot(direction)));
-        if seen.is_back_face {
-            return Sample::BackFace(surface);
-        }
-        let [a, b, c] = e.map(|e| e.max(0.0));
-        let sum = a + b + c;
-        Sample::Front {
-            surface,
-            barycentric: [a, b, c].map(|e| (e / sum) as f32),
-            depth: (1.0 / seen.inverse_depth.dot(direction)) as f32,
+        let mut sample = Sample::Nothing;
+        self.for_each_sample(projection, j, i..i + 1, |_, seen| sample = seen);
+        sample
+    }
+
+    /// Hands out what some pixels i of row j of the last picture see.
+    pub fn for_each_sample(
+        &self,
+        projection: &Projection,
+        j: usize,
+        pixels: Range<usize>,
+        mut take: impl FnMut(usize, Sample),
+    ) {
+        let Some(window) = &self.window else { return };
+        let mut i = pixels.start;
+        let row = &self.pieces[j * (window.width + PADDING)..][pixels];
+        for run in row.chunk_by(|a, b| a == b) {
+            let Some(seen) = projection.pieces.get(run[0] as usize) else {
+                for _ in run {
+                    take(i, Sample::Nothing);
+                    i += 1;
+                }
+                continue;
+            };
+            let coordinates = projection.coordinates(seen.region);
+            let mut last = 0;
+            for _ in run {
+                let direction = window.forward
+                    + (window.left + (i as f64 + 0.5) * window.pixel) * window.right
+                    + (window.bottom + (j as f64 + 0.5) * window.pixel) * window.up;
+                let at = |k: usize| coordinates[k].dot(direction);
+                let (surface, [a, b, c]) =
+                    projection
+                        .drawable
+                        .surface_at(seen.region, [at(0), at(1), at(2)], &mut last);
+                let sample = if seen.is_back_face {
+                    Sample::BackFace(surface)
+                } else {
+                    let (a, b, c) = (a.max(0.0), b.max(0.0), c.max(0.0));
+                    let sum = a + b + c;
+                    Sample::Front {
+                        surface,
+                        barycentric: [(a / sum) as f32, (b / sum) as f32, (c / sum) as f32],
+                        depth: (1.0 / seen.inverse_depth.dot(direction)) as f32,
+                    }
+                };
+                take(i, sample);
+                i += 1;
+            }
         }
     }
 }
