@@ -9,7 +9,7 @@ use std::sync::Arc;
 use compute::cpu::item_buffer::{BACK_FACE, HemicubeDrawer, NOTHING};
 use compute::cpu::rows::RowDrawer;
 use compute::hemicubes::Hemicubes;
-use compute::settings::{FormFactorSettings, Maps, Points, Turns};
+use compute::settings::{FormFactorSettings, Points};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use genx::{Model, Settings};
 use scene::{PatchId, Scene};
@@ -38,10 +38,8 @@ fn patches(scene: &Scene) -> Vec<PatchId> {
 
 fn one_a_patch(scene: &Scene) -> Arc<Hemicubes<'_>> {
     let settings = FormFactorSettings {
-        resolution: RESOLUTION,
-        maps: Maps::Exact,
         points: Points::CENTROID,
-        turns: Turns::DEFAULT,
+        ..FormFactorSettings::new(RESOLUTION)
     };
     Arc::new(Hemicubes::new(scene, settings))
 }

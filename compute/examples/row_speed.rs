@@ -15,7 +15,7 @@ use compute::compact_rows::{Channels, CompactRows, Exact, Gatherer};
 use compute::hemicubes::Hemicubes;
 use compute::lamps::with_lamps;
 use compute::rows::{Entry, RowBatch};
-use compute::settings::{BackendChoice, FormFactorSettings, LampViews, Maps, Points, Turns};
+use compute::settings::{BackendChoice, FormFactorSettings, LampViews};
 use genx::{Model, Settings};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -51,12 +51,7 @@ fn main() -> anyhow::Result<()> {
 }
 
 fn measure(name: &str, scene: &Scene, resolution: u32) -> anyhow::Result<()> {
-    let settings = FormFactorSettings {
-        resolution,
-        maps: Maps::Exact,
-        points: Points::Auto,
-        turns: Turns::DEFAULT,
-    };
+    let settings = FormFactorSettings::new(resolution);
     let hemicubes = Arc::new(Hemicubes::new(scene, settings));
     let source = backend::open(&hemicubes, BackendChoice::Cpu)?.source;
     let mut source = with_lamps(&hemicubes, LampViews::Auto, source);

@@ -18,7 +18,7 @@ use compute::hemicubes::Hemicubes;
 use compute::lamps::with_lamps;
 use compute::problem::Problem;
 use compute::row_cache::RowCache;
-use compute::settings::{BackendChoice, FormFactorSettings, LampViews, Maps, Points, Turns};
+use compute::settings::{BackendChoice, FormFactorSettings, LampViews};
 use compute::solver::{Gather, Shoot, Solver, Update};
 use genx::{Model, Settings};
 use scene::{Scene, Solution};
@@ -56,12 +56,7 @@ fn main() -> anyhow::Result<()> {
 }
 
 fn table(name: &str, scene: &Scene) -> anyhow::Result<()> {
-    let settings = FormFactorSettings {
-        resolution: RESOLUTION,
-        maps: Maps::Exact,
-        points: Points::Auto,
-        turns: Turns::DEFAULT,
-    };
+    let settings = FormFactorSettings::new(RESOLUTION);
     let hemicubes = Arc::new(Hemicubes::new(scene, settings));
     let source = backend::open(&hemicubes, BackendChoice::Cpu)?.source;
     let source = with_lamps(&hemicubes, LampViews::Auto, source);

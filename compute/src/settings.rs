@@ -138,7 +138,7 @@ pub struct FormFactorSettings {
 
 impl FormFactorSettings {
     /// What a run does unless it is asked for something else, at some resolution.
-    pub fn new(resolution: u32) -> Self {
+    pub const fn new(resolution: u32) -> Self {
         Self {
             resolution,
             maps: Maps::Exact,

@@ -9,16 +9,14 @@ use compute::cpu::{CpuRows, Drawable};
 use compute::hemicube::{self, Frame};
 use compute::hemicubes::Hemicubes;
 use compute::rows::{RowBatch, RowSource, UNITS_PER_ONE, Unseen};
-use compute::settings::{FormFactorSettings, Maps, Points, Turns};
+use compute::settings::{FormFactorSettings, Points};
 use glam::{DVec3, Vec3};
 use scene::{PatchId, Scene, SurfaceId};
 
 fn settings(resolution: u32, points: Points) -> FormFactorSettings {
     FormFactorSettings {
-        resolution,
-        maps: Maps::Exact,
         points,
-        turns: Turns::DEFAULT,
+        ..FormFactorSettings::new(resolution)
     }
 }
 

@@ -10,16 +10,14 @@ use compute::hemicubes::Hemicubes;
 use compute::lamps::with_lamps;
 use compute::polygon_form_factor::point_to_triangle;
 use compute::rows::{RowBatch, UNITS_PER_ONE};
-use compute::settings::{FormFactorSettings, LampViews, Maps, Points, Turns};
+use compute::settings::{FormFactorSettings, LampViews, Maps, Points};
 use glam::{DVec3, Vec3};
 use scene::{PatchId, Scene};
 
 fn settings(points: Points) -> FormFactorSettings {
     FormFactorSettings {
-        resolution: 32,
-        maps: Maps::Exact,
         points,
-        turns: Turns::DEFAULT,
+        ..FormFactorSettings::new(32)
     }
 }
 

@@ -8,16 +8,11 @@ use common::{block, material, quad};
 use compute::cpu::CpuRows;
 use compute::hemicubes::Hemicubes;
 use compute::rows::{RowSource, UNITS_PER_ONE};
-use compute::settings::{FormFactorSettings, Maps, Points, Turns};
+use compute::settings::FormFactorSettings;
 use glam::Vec3;
 use scene::{PatchId, Scene, Surface};
 
-const AUTO: FormFactorSettings = FormFactorSettings {
-    resolution: 128,
-    maps: Maps::Exact,
-    points: Points::Auto,
-    turns: Turns::DEFAULT,
-};
+const AUTO: FormFactorSettings = FormFactorSettings::new(128);
 
 /// A unit square at height z, its front upwards, or downwards.
 fn square(z: f32, up: bool) -> [Surface; 2] {

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{compute, folder, solve, stderr, stdout};
-use compute::settings::{FormFactorSettings, LampViews, Maps, Points, Turns};
+use compute::settings::{FormFactorSettings, LampViews, Points};
 use compute::verify::case::{Case, Expected};
 use compute::verify::{Accuracy, Backends, Format, Settings, run_cases, select};
 use serde_json::Value;
@@ -15,10 +15,8 @@ fn settings() -> Settings {
     Settings {
         accuracy: Accuracy {
             form_factors: FormFactorSettings {
-                resolution: 32,
-                maps: Maps::Exact,
                 points: Points::CENTROID,
-                turns: Turns::DEFAULT,
+                ..FormFactorSettings::new(32)
             },
             lamps: LampViews::Off,
         },

@@ -8,7 +8,7 @@ use compute::lamps::with_lamps;
 use compute::problem::Problem;
 use compute::report::{self, Closure};
 use compute::row_cache::RowCache;
-use compute::settings::{BackendChoice, FormFactorSettings, LampViews, Maps, Points, Turns};
+use compute::settings::{BackendChoice, FormFactorSettings, LampViews};
 use compute::solver::{Gather, Solver, Update};
 use scene::{Scene, Solution};
 
@@ -43,12 +43,7 @@ pub struct Summary {
 /// Jacobi iterations until nothing changes.
 pub fn solve(scene: &Scene, resolution: u32, backend: BackendChoice) -> anyhow::Result<Solved> {
     let start = Instant::now();
-    let settings = FormFactorSettings {
-        resolution,
-        maps: Maps::Exact,
-        points: Points::Auto,
-        turns: Turns::DEFAULT,
-    };
+    let settings = FormFactorSettings::new(resolution);
     let hemicubes = Arc::new(Hemicubes::new(scene, settings));
     let backend = compute::backend::open(&hemicubes, backend)?;
     let source = with_lamps(&hemicubes, LampViews::Auto, backend.source);

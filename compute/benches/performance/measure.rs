@@ -8,7 +8,7 @@ use compute::cpu::item_buffer::{BACK_FACE, HemicubeDrawer, NOTHING};
 use compute::cpu::rows::RowDrawer;
 use compute::hemicube::pixel_count;
 use compute::hemicubes::Hemicubes;
-use compute::settings::{FormFactorSettings, Maps, Points, Turns};
+use compute::settings::{FormFactorSettings, Points};
 use scene::{PatchId, Scene};
 
 use crate::arguments::Plan;
@@ -66,10 +66,8 @@ pub fn by_median<T>(mut values: Vec<T>, key: impl Fn(&T) -> f64) -> Option<T> {
 /// A scene's hemicubes, one at each patch's centroid.
 pub fn one_a_patch(scene: &Scene, resolution: u32) -> Arc<Hemicubes<'_>> {
     let settings = FormFactorSettings {
-        resolution,
-        maps: Maps::Exact,
         points: Points::CENTROID,
-        turns: Turns::DEFAULT,
+        ..FormFactorSettings::new(resolution)
     };
     Arc::new(Hemicubes::new(scene, settings))
 }

@@ -197,7 +197,7 @@ impl Pace {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::{FormFactorSettings, Maps, Points, Turns};
+    use crate::settings::{FormFactorSettings, Points};
     use glam::{DVec3, Vec3};
     use scene::{Material, MaterialId, ObjectId, Scene, Surface};
 
@@ -230,10 +230,8 @@ mod tests {
     fn a_lost_device_is_an_error_from_then_on_and_no_panic() {
         let scene = scene();
         let settings = FormFactorSettings {
-            resolution: 20,
-            maps: Maps::Exact,
             points: Points::CENTROID,
-            turns: Turns::DEFAULT,
+            ..FormFactorSettings::new(20)
         };
         let hemicubes = Arc::new(Hemicubes::new(&scene, settings));
         let mut rows = match GpuRows::new(&hemicubes, AdapterChoice::Any) {

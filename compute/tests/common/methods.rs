@@ -7,7 +7,7 @@ use compute::hemicubes::Hemicubes;
 use compute::problem::Problem;
 use compute::row_cache::RowCache;
 use compute::rows::UNITS_PER_ONE;
-use compute::settings::{FormFactorSettings, Maps, Points, Turns};
+use compute::settings::{FormFactorSettings, Points};
 use compute::solver::{Gather, Shoot, Solver, Update};
 use glam::DVec3;
 use scene::{Rgb, Scene, Solution};
@@ -19,10 +19,8 @@ pub const ROUNDING: f64 = 1.0 / (1 << 24) as f64;
 pub const ROUNDINGS_PER_RADIOSITY: f64 = 3.0;
 
 pub const SETTINGS: FormFactorSettings = FormFactorSettings {
-    resolution: 32,
-    maps: Maps::Exact,
     points: Points::CENTROID,
-    turns: Turns::DEFAULT,
+    ..FormFactorSettings::new(32)
 };
 
 #[derive(Clone, Copy, Debug, PartialEq)]

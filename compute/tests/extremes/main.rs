@@ -21,16 +21,14 @@ use compute::hemicube::Frame;
 use compute::hemicubes::Hemicubes;
 use compute::row_cache::RowCache;
 use compute::rows::{RowBatch, RowSource, UNITS_PER_ONE, Unseen};
-use compute::settings::{FormFactorSettings, Maps, Points, Turns};
+use compute::settings::{FormFactorSettings, Points};
 use scene::{PatchId, Scene};
 
 /// One hemicube a patch.
 fn settings(resolution: u32) -> FormFactorSettings {
     FormFactorSettings {
-        resolution,
-        maps: Maps::Exact,
         points: Points::CENTROID,
-        turns: Turns::DEFAULT,
+        ..FormFactorSettings::new(resolution)
     }
 }
 

@@ -13,15 +13,13 @@ use std::sync::Arc;
 use compute::gpu::{AdapterChoice, GpuRows};
 use compute::hemicubes::Hemicubes;
 use compute::rows::BackendError;
-use compute::settings::{FormFactorSettings, Maps, Points, Turns};
+use compute::settings::{FormFactorSettings, Points};
 use scene::Scene;
 
 fn settings(resolution: u32) -> FormFactorSettings {
     FormFactorSettings {
-        resolution,
-        maps: Maps::Exact,
         points: Points::CENTROID,
-        turns: Turns::DEFAULT,
+        ..FormFactorSettings::new(resolution)
     }
 }
 
