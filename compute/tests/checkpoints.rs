@@ -1,12 +1,12 @@
-//! Laws of stopping and going on: by limits, by Ctrl-C, by kill -9, and beside another program.
+//! Laws of stopping and going on: by limits, by Ctrl-C, by kill -9.
 
 mod common;
 
 use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use common::{
-    bits, compute, files, folder, load, save, signal, solve, start, start_endless, stderr, stdout,
+    bits, files, folder, load, save, signal, solve, start, start_endless, stderr, stdout,
     wait_for_lock,
 };
 use scene::{Scene, Solution};
@@ -259,83 +259,6 @@ fn interrupted_while_writing_form_factors_it_writes_the_output_and_no_half_table
 }
 
 #[test]
-fn a_second_run_with_the_same_output_fails_and_the_first_goes_on() {
-    let folder = folder();
-    save(folder.path(), "in.rad", &room());
-    let mut first = start_endless(folder.path(), "in.rad", "out.rad", &[]);
-    wait_for_lock(folder.path(), "out.rad");
-    let start = Instant::now();
-    let second = compute(folder.path(), &["in.rad", "out.rad", "32"]);
-    assert!(
-        start.elapsed() < Duration::from_secs(5),
-        "{:?}",
-        start.elapsed()
-    );
-    assert_eq!(second.status.code(), Some(1), "{second:?}");
-    let message = stderr(&second);
-    assert!(
-        message.starts_with("compute: error: out.rad: another program is writing this file"),
-        "{message}"
-    );
-    assert!(first.try_wait().unwrap().is_none());
-    // The second has not taken the first's lock away with it.
-    let third = compute(folder.path(), &["in.rad", "out.rad", "32"]);
-    assert_eq!(third.status.code(), Some(1), "{third:?}");
-    // Another output is free.
-    solve(
-        folder.path(),
-        &["in.rad", "other.rad", "32", "--iterations", "1"],
-    );
-    signal(&first, "INT");
-    assert_eq!(first.wait().unwrap().code(), Some(130));
-    let iterations = load(folder.path(), "out.rad")
-        .provenance
-        .iterations
-        .to_string();
-    solve(
-        folder.path(),
-        &[
-            "in.rad",
-            "whole.rad",
-            "32",
-            "--iterations",
-            &iterations,
-            "--tolerance",
-            "0",
-        ],
-    );
-    let (out, whole) = (
-        load(folder.path(), "out.rad"),
-        load(folder.path(), "whole.rad"),
-    );
-    assert_eq!(bits(&out.irradiance), bits(&whole.irradiance));
-}
-
-#[test]
-fn a_report_that_another_run_writes_is_not_written_twice() {
-    let folder = folder();
-    save(folder.path(), "in.rad", &room());
-    let first = start_endless(
-        folder.path(),
-        "in.rad",
-        "a.rad",
-        &["--report", "report.json"],
-    );
-    wait_for_lock(folder.path(), "report.json");
-    let second = compute(
-        folder.path(),
-        &["in.rad", "b.rad", "32", "--report", "report.json"],
-    );
-    assert_eq!(second.status.code(), Some(1), "{second:?}");
-    assert!(
-        stderr(&second).contains("report.json: another program"),
-        "{second:?}"
-    );
-    signal(&first, "INT");
-    first.wait_with_output().unwrap();
-}
-
-#[test]
 fn iterations_already_reached_leave_the_solution_as_it_is() {
     let folder = folder();
     save(folder.path(), "in.rad", &room());
@@ -489,15 +412,4 @@ fn regression_residuals_of_other_settings_end_nothing() {
         assert!(continued.provenance.iterations > before, "{settings:?}");
         assert_same(&continued, &whole, &format!("{settings:?}"));
     }
-}
-
-#[test]
-fn an_output_without_checkpoints_appears_whole_at_the_end_and_alone() {
-    let folder = folder();
-    save(folder.path(), "in.rad", &room());
-    solve(
-        folder.path(),
-        &["in.rad", "out.rad", "32", "--checkpoint-every", "0s"],
-    );
-    assert_eq!(files(folder.path()), ["in.rad", "out.rad"]);
 }

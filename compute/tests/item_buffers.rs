@@ -4,6 +4,7 @@ mod common;
 
 use std::sync::Arc;
 
+use common::objects::grid;
 use compute::cpu::{Cull, Drawable, Projection, Raster, Sample};
 use compute::hemicube::{self, Frame, Window};
 use genx::{Model, Settings};
@@ -17,21 +18,14 @@ const BESIDE: f64 = 1.5 / 1024.0;
 /// Coordinates on walls are f32, relative to the wall: this share of the scene's size.
 const ROUNDING: f64 = 8.0 / (1 << 24) as f64;
 
-/// A box whose walls are n x n squares of two surfaces each.
-fn walls_of_squares(n: u32) -> Vec<Surface> {
-    let step = 1.0 / n as f32;
+/// A box whose walls are n x n rectangles of two surfaces each.
+fn walls_of_rectangles(n: usize) -> Vec<Surface> {
     let walls = common::block(Vec3::ZERO, Vec3::new(3.0, 4.0, 2.5), false, 0);
     walls
         .chunks_exact(2)
         .flat_map(|wall| {
             let [a, b, c] = wall[0].corners;
-            let (along, across) = (b - a, c - b);
-            (0..n * n).flat_map(move |k| {
-                let at = |i: u32, j: u32| {
-                    a + along * (step * (k % n + i) as f32) + across * (step * (k / n + j) as f32)
-                };
-                common::quad([at(0, 0), at(1, 0), at(1, 1), at(0, 1)], 0)
-            })
+            grid(a, b - a, c - b, n)
         })
         .collect()
 }
@@ -45,11 +39,13 @@ fn made(model: Model, max_area: f64) -> Scene {
 }
 
 fn scenes() -> Vec<Scene> {
-    let squares =
-        |area| common::scene(vec![common::material(0.5, 1.0)], walls_of_squares(12), area);
+    let rectangles = |area| {
+        let surfaces = walls_of_rectangles(12);
+        common::scene(vec![common::material(0.5, 1.0)], surfaces, area)
+    };
     vec![
-        squares(f64::INFINITY),
-        squares(0.01),
+        rectangles(f64::INFINITY),
+        rectangles(0.01),
         made(Model::Hall, 5.0),
         made(Model::Cornell, 4e-4),
     ]

@@ -2,6 +2,7 @@
 #![allow(dead_code)] // each test file uses some of them
 
 pub mod methods;
+pub mod objects;
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
