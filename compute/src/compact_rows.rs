@@ -1,5 +1,4 @@
-//! Form factor rows as they are kept: a third of the memory of plain entries, decoded at nearly the speed at
-//! which memory is read.
+//! Form factor rows as they are kept: in a third of the memory of plain entries, and gathered faster than those.
 //!
 //! # Practice
 //! A row is a list of blocks of 16 patches in order, those without any entry left out. A block has a header of

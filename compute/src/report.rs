@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use glam::DVec3;
 use scene::{Scene, Solution};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::certificate::Certificate;
 use crate::quantity::{show_duration, show_size};
@@ -145,7 +145,7 @@ pub struct RowsReport {
 }
 
 /// Seconds by stage.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Seconds {
     /// Reading the scene.
     pub load: f64,

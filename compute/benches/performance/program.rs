@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, bail};
+use compute::report::Seconds;
 use scene::Scene;
 use serde::Deserialize;
 use tempfile::TempDir;
@@ -24,28 +25,21 @@ pub struct Report {
     pub stopped_by: String,
 }
 
-/// Seconds by stage.
-#[derive(Clone, Copy, Debug, Deserialize)]
-pub struct Seconds {
-    pub load: f64,
-    pub open: f64,
-    pub draw: f64,
-    pub solve: f64,
-    pub write: f64,
-    pub total: f64,
-}
+/// Headings of [`cells_of_stages`].
+pub const STAGES: [&str; 5] = ["total, s", "open", "draw", "solve", "files"];
 
-impl Seconds {
-    /// Headings of [`Self::cells`].
-    pub const HEADER: [&'static str; 5] = ["total, s", "open", "draw", "solve", "files"];
-
-    /// The total and the stages.
-    pub fn cells(&self) -> Vec<String> {
-        let files = self.load + self.write;
-        [self.total, self.open, self.draw, self.solve, files]
-            .map(figures)
-            .to_vec()
-    }
+/// The total and the stages.
+pub fn cells_of_stages(seconds: &Seconds) -> Vec<String> {
+    let files = seconds.load + seconds.write;
+    [
+        seconds.total,
+        seconds.open,
+        seconds.draw,
+        seconds.solve,
+        files,
+    ]
+    .map(figures)
+    .to_vec()
 }
 
 impl Report {

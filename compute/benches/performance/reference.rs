@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::arguments::{Plan, Section, command_of};
 use crate::measure::by_median;
-use crate::program::{Program, Report, Seconds};
+use crate::program::{Program, Report, STAGES, cells_of_stages};
 use crate::scenes;
 use crate::text::{count, figures, heading, table};
 
@@ -40,7 +40,7 @@ pub fn section(plan: &Plan, program: &Program) -> anyhow::Result<String> {
             continue;
         };
         let mut row = vec![name.to_owned(), count(patches.into())];
-        row.extend(report.seconds.cells());
+        row.extend(cells_of_stages(&report.seconds));
         row.push(count(report.hemicubes_drawn));
         row.push(report.iterations.to_string());
         row.push(figures(target));
@@ -56,7 +56,7 @@ pub fn section(plan: &Plan, program: &Program) -> anyhow::Result<String> {
         return Ok(String::new());
     }
     let mut header = vec!["scene", "patches"];
-    header.extend(Seconds::HEADER);
+    header.extend(STAGES);
     header.extend(["hemicubes", "iterations", "target, s", "verdict"]);
     Ok(format!(
         "{}The two scenes that the tests compare with a path tracer (`tests/tests/data`), from `compute IN OUT` \

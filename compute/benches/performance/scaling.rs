@@ -9,7 +9,7 @@ use scene::Scene;
 use crate::arguments::{Plan, Section, command_of};
 use crate::machine::cores;
 use crate::measure::{by_median, item_buffer, one_a_patch, row};
-use crate::program::{Program, Report, Seconds};
+use crate::program::{Program, Report, STAGES, cells_of_stages};
 use crate::scenes;
 use crate::text::{Point, count, figures, heading, percent, plot, table};
 
@@ -195,7 +195,7 @@ fn over_threads(plan: &Plan, program: &Program) -> anyhow::Result<String> {
         let seconds = report.seconds;
         let faster = one.total / seconds.total;
         let mut row = vec![threads.to_string()];
-        row.extend(seconds.cells());
+        row.extend(cells_of_stages(&seconds));
         row.push(figures(faster));
         row.push(figures(one.draw / seconds.draw));
         row.push(figures(one.solve / seconds.solve));
@@ -209,7 +209,7 @@ fn over_threads(plan: &Plan, program: &Program) -> anyhow::Result<String> {
         lines.push((threads.to_string(), points));
     }
     let mut header = vec!["threads"];
-    header.extend(Seconds::HEADER);
+    header.extend(STAGES);
     header.extend(["times as fast", "drawing", "solving", "efficiency"]);
     Ok(format!(
         "\n### Threads: a whole run, hall, {} patches\n\n\

@@ -7,7 +7,7 @@ use compute::quantity::{show_duration, show_size};
 use genx::Model;
 
 use crate::arguments::{Plan, Section, command_of};
-use crate::program::{Program, Report, Seconds};
+use crate::program::{Program, Report, STAGES, cells_of_stages};
 use crate::scenes;
 use crate::text::{count, figures, heading, percent, table};
 
@@ -110,7 +110,7 @@ impl Cell<'_> {
         let nothing = String::new;
         match &self.state {
             State::Run(report) => {
-                row.extend(report.seconds.cells());
+                row.extend(cells_of_stages(&report.seconds));
                 row.push(count(report.hemicubes_drawn));
                 row.push(count(report.hemicubes_per_second().round() as u64));
                 row.push(report.peak_memory_bytes.map_or_else(nothing, show_size));
@@ -182,7 +182,7 @@ pub fn section(plan: &Plan, program: &Program) -> anyhow::Result<String> {
         show_duration(plan.time_limit),
     );
     let mut header = vec!["patches", "pixels"];
-    header.extend(Seconds::HEADER);
+    header.extend(STAGES);
     header.extend([
         "hemicubes",
         "a second of drawing",

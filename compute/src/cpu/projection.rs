@@ -1,4 +1,4 @@
-//! Surfaces as seen from one eye, set up once for all windows.
+//! The pieces of regions as seen from one eye, set up once for all windows.
 //!
 //! # Theory
 //! Let q0, q1, q2 be a triangle's corners relative to the eye. The ray along d meets the
@@ -9,11 +9,12 @@
 //! with 1/w = (e_0 + e_1 + e_2) / det. All of these are linear in d, hence in the pixel: there is no
 //! division in a pixel, no clipping and no near plane, and a triangle that passes beside or
 //! behind the eye needs no care. The patch follows from the proportion of the e_k alone,
-//! see [`scene::bisection`].
+//! see [`scene::bisection`]. What holds of a triangle's edges holds of those of any convex polygon.
 //!
 //! # Practice
-//! The vectors are f64. Two triangles that share an edge have the same vector for it, with opposite
-//! signs, so that no pixel between them is missed.
+//! The vectors are f64. Two pieces that share an edge have the same vector for it, with opposite
+//! signs, so that no pixel between them is missed. Vertices are turned into the frame once for all pieces, and those
+//! that are outside of a face of a hemicube are told by bits ([`outside`]).
 
 // Functions that a vectorised caller needs must be inlined into it: compiled on their own they would
 // be for the baseline instruction set.

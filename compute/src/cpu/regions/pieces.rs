@@ -20,7 +20,7 @@ const MOST_AROUND: [usize; 2] = [16, 100];
 const ROUNDS: usize = 24;
 
 /// Difference of areas, relative, that may come from corners that were dropped as rounding.
-const AREA_TOLERANCE: f64 = 1e-6;
+pub(super) const AREA_TOLERANCE: f64 = 1e-6;
 
 /// Corners of convex polygons, counter-clockwise, as vertices of the mesh; `None` where they do not
 /// have the region's area.

@@ -1,94 +1,24 @@
+//! Laws of regions.
+
+mod shapes;
+
 use glam::{DQuat, DVec2, DVec3, Vec3};
 use proptest::prelude::*;
-use scene::{Material, MaterialId, ObjectId, Scene, Surface};
+use scene::Scene;
 
 use super::*;
+use shapes::{grid, moved, odd_turn, refined, scene};
+
+/// Difference of areas, relative: that of the pieces in the plane they are measured in, and as much again for
+/// members that are not quite in it.
+const AREA: f64 = 2.0 * pieces::AREA_TOLERANCE;
+
+/// Rounding of unit vectors, which are products and roots of f64.
+const DIRECTION: f64 = 1e-12;
 
 /// Share of a region's size within which of an edge a point may be given to either side: see `locator.rs`, which
 /// derives 3.3e-6 diagonals, a diagonal being at most sqrt 2 sizes.
 const NEAR_EDGE: f64 = 1e-5;
-
-fn scene(triangles: impl IntoIterator<Item = [DVec3; 3]>) -> Scene {
-    let material = |name: &str| Material {
-        name: name.into(),
-        reflectance: Vec3::splat(0.5),
-        emission: Vec3::ZERO,
-    };
-    let surfaces = triangles
-        .into_iter()
-        .map(|corners| Surface {
-            corners: corners.map(DVec3::as_vec3),
-            material: MaterialId(0),
-            object: ObjectId(0),
-        })
-        .collect::<Vec<_>>();
-    let depths = vec![1; surfaces.len()];
-    Scene::new(
-        vec![material("wall")],
-        vec!["all".into()],
-        surfaces,
-        &depths,
-        DVec3::ZERO,
-    )
-    .unwrap()
-}
-
-/// Two triangles for each cell of a grid that `is_there`, in the plane z = 0.
-fn grid(columns: u32, rows: u32, is_there: impl Fn(u32, u32) -> bool) -> Vec<[DVec3; 3]> {
-    let point = |i: u32, j: u32| DVec3::new(f64::from(i) * 0.25, f64::from(j) * 0.25, 0.0);
-    let mut triangles = Vec::new();
-    for j in 0..rows {
-        for i in 0..columns {
-            if is_there(i, j) {
-                let [a, b, c, d] = [
-                    point(i, j),
-                    point(i + 1, j),
-                    point(i + 1, j + 1),
-                    point(i, j + 1),
-                ];
-                if (i + j) % 2 == 0 {
-                    triangles.extend([[a, b, c], [a, c, d]]);
-                } else {
-                    triangles.extend([[a, b, d], [b, c, d]]);
-                }
-            }
-        }
-    }
-    triangles
-}
-
-/// Repeated bisection of some triangles' longest sides, neighbours with them.
-fn refined(mut triangles: Vec<[DVec3; 3]>, picks: &[(usize, f64)]) -> Vec<[DVec3; 3]> {
-    for &(pick, share) in picks {
-        let [a, b, c] = triangles[pick % triangles.len()];
-        let sides = [(a, b), (b, c), (c, a)];
-        let (p, q) = sides
-            .into_iter()
-            .max_by(|s, t| s.0.distance(s.1).total_cmp(&t.0.distance(t.1)))
-            .unwrap();
-        let middle = p.lerp(q, share);
-        let mut cut = Vec::new();
-        triangles.retain(|t| {
-            for k in 0..3 {
-                let [u, v, w] = [t[k], t[(k + 1) % 3], t[(k + 2) % 3]];
-                if (u == p && v == q) || (u == q && v == p) {
-                    cut.extend([[u, middle, w], [middle, v, w]]);
-                    return false;
-                }
-            }
-            true
-        });
-        triangles.extend(cut);
-    }
-    triangles
-}
-
-fn moved(triangles: Vec<[DVec3; 3]>, turn: DQuat, by: DVec3) -> Vec<[DVec3; 3]> {
-    triangles
-        .into_iter()
-        .map(|t| t.map(|p| turn * p + by))
-        .collect()
-}
 
 fn area(corners: &[DVec3]) -> f64 {
     (2..corners.len())
@@ -126,7 +56,7 @@ fn check(scene: &Scene, regions: &Regions, samples: u32) {
         let [o, p, q] = region.reference;
         let front = (p - o).cross(q - o).normalize();
         assert!(
-            front.dot(region.normal) > 1.0 - 1e-12,
+            front.dot(region.normal) > 1.0 - DIRECTION,
             "{front} {}",
             region.normal
         );
@@ -146,7 +76,7 @@ fn check(scene: &Scene, regions: &Regions, samples: u32) {
         assert!(pieces.len() <= members.len());
         let sum = |polygons: &[Vec<DVec3>]| polygons.iter().map(|p| area(p)).sum::<f64>();
         let difference = (sum(&pieces) - sum(&members)).abs();
-        assert!(difference <= 2e-6 * sum(&members), "{difference}");
+        assert!(difference <= AREA * sum(&members), "{difference}");
         for piece in &pieces {
             for k in 0..piece.len() {
                 let [a, b, c] = [0, 1, 2].map(|n| piece[(k + n) % piece.len()]);
@@ -229,10 +159,6 @@ fn checked(triangles: Vec<[DVec3; 3]>) -> Regions {
     let regions = Regions::new(&scene);
     check(&scene, &regions, 2000);
     regions
-}
-
-fn odd_turn() -> DQuat {
-    DQuat::from_axis_angle(DVec3::new(1.0, -2.0, 0.7).normalize(), 0.8)
 }
 
 #[test]
