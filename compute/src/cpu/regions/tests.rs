@@ -371,6 +371,8 @@ proptest! {
             .map(|c| [0, 1, 2].map(|k| DVec3::new(c[k].0.into(), c[k].1.into(), c[k].2.into())))
             .filter(|[a, b, c]| (b - a).cross(c - a).length() > 0.0)
             .collect();
+        // A scene has at least one surface.
+        prop_assume!(!triangles.is_empty());
         checked(triangles);
     }
 }
