@@ -125,7 +125,7 @@ pub struct Finding {
 
 /// What the rows drawn so far certify, together with the solution's `imbalance` and last `residual`.
 pub fn certify(rows: &RowCache, imbalance: Option<f64>, residual: Option<f64>) -> Certificate {
-    let scene = rows.hemicubes().scene();
+    let scene = rows.hemicubes().receivers();
     let areas = scene.patch_areas();
     let rows_drawn = rows.unseen().iter().flatten().count() as u32;
     let all_drawn = rows_drawn == scene.patch_count();

@@ -23,7 +23,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
-use scene::{PatchId, Scene};
+use scene::{PatchId, Scene, SurfaceId};
 
 use crate::cpu::Drawable;
 use crate::delta_form_factors::DeltaFormFactors;
@@ -86,6 +86,7 @@ impl Rule {
 /// All hemicubes of a scene.
 #[derive(Debug)]
 pub struct Hemicubes<'a> {
+    receivers: &'a Scene,
     drawable: Arc<Drawable<'a>>,
     settings: FormFactorSettings,
     /// Where patches have different rules: the number of each patch's first hemicube, then that of all.
@@ -98,10 +99,25 @@ impl<'a> Hemicubes<'a> {
     /// The hemicubes of a scene; for [`Points::Auto`] each patch's surroundings are looked at, on the
     /// threads of the rayon pool it is called in.
     pub fn new(scene: &'a Scene, settings: FormFactorSettings) -> Self {
+        Self::between(scene, &Arc::new(Drawable::new(scene)), settings)
+    }
+
+    /// Hemicubes that stand on the patches of one mesh and see those of another one, over the same surfaces: a
+    /// row has an entry for each of `sources`' patches.
+    ///
+    /// # Panics
+    /// Where the surfaces are not as many.
+    pub fn between(
+        receivers: &'a Scene,
+        sources: &Arc<Drawable<'a>>,
+        settings: FormFactorSettings,
+    ) -> Self {
+        assert_eq!(receivers.surfaces().len(), sources.scene().surfaces().len());
         let mut hemicubes = Self {
-            drawable: Arc::new(Drawable::new(scene)),
+            receivers,
+            drawable: Arc::clone(sources),
             settings,
-            firsts: (settings.points == Points::Auto).then(|| point_count::firsts(scene)),
+            firsts: (settings.points == Points::Auto).then(|| point_count::firsts(receivers)),
             delta_form_factors: BTreeMap::new(),
         };
         let mut counts: Vec<u32> = match &hemicubes.firsts {
@@ -121,12 +137,22 @@ impl<'a> Hemicubes<'a> {
         hemicubes
     }
 
-    /// The scene they stand in.
-    pub fn scene(&self) -> &'a Scene {
+    /// The scene on whose patches they stand.
+    pub fn receivers(&self) -> &'a Scene {
+        self.receivers
+    }
+
+    /// The scene whose patches they see: the same one, but for [`Self::between`].
+    pub fn sources(&self) -> &'a Scene {
         self.drawable.scene()
     }
 
-    /// What item buffers draw of it.
+    /// The surface that a patch, and so its hemicubes, stand on.
+    pub fn surface_of(&self, patch: PatchId) -> SurfaceId {
+        self.receivers.mesh().surface_of(patch)
+    }
+
+    /// What item buffers draw of the sources.
     pub fn drawable(&self) -> &Arc<Drawable<'a>> {
         &self.drawable
     }
@@ -152,7 +178,7 @@ impl<'a> Hemicubes<'a> {
 
     /// How many hemicubes there are.
     pub fn total(&self) -> u64 {
-        self.first(PatchId(self.scene().patch_count()))
+        self.first(PatchId(self.receivers.patch_count()))
     }
 
     /// What the pixels of a patch that has `count` hemicubes count.
@@ -172,8 +198,8 @@ impl<'a> Hemicubes<'a> {
 
     /// Where the hemicubes of a patch stand; its form factors are the mean over them.
     pub fn frames(&self, patch: PatchId) -> Vec<Frame> {
-        let geometry = self.scene().patch(patch);
-        let normal = self.scene().surface(geometry.surface).normal();
+        let geometry = self.receivers.patch(patch);
+        let normal = self.receivers.surface(geometry.surface).normal();
         let points = self
             .rule(patch)
             .points(geometry.corners.map(Vec3::as_dvec3));

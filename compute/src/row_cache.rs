@@ -71,17 +71,17 @@ impl<'a> RowCache<'a> {
         source: Box<dyn RowSource + 'a>,
         budget_bytes: u64,
     ) -> Self {
-        let scene = hemicubes.scene();
+        let (receivers, sources) = (hemicubes.receivers(), hemicubes.sources());
         Self {
             hemicubes: Arc::clone(hemicubes),
             source,
-            patch_count: scene.patch_count(),
+            patch_count: receivers.patch_count(),
             budget_bytes,
             kept: BTreeMap::new(),
             passing: CompactRows::new(),
-            exact: Exact::new(&scene.patch_emissions()),
-            unseen: vec![None; scene.patch_count() as usize],
-            received: Received::new(&scene.patch_areas()),
+            exact: Exact::new(&sources.patch_emissions()),
+            unseen: vec![None; receivers.patch_count() as usize],
+            received: Received::new(&receivers.patch_areas(), sources.patch_count()),
             statistics: RowStatistics::default(),
         }
     }

@@ -104,8 +104,8 @@ fn item_buffer_agrees_with_ray_casting() {
     let (mut pixels, mut differing) = (0, 0);
     for patch in (0..scene.patch_count()).step_by(37).map(PatchId) {
         let frame = Hemicubes::new(&scene, settings(2, Points::CENTROID)).frames(patch)[0];
-        let ids = drawer.item_buffer(patch, &frame);
         let own = scene.mesh().surface_of(patch);
+        let ids = drawer.item_buffer(own, &frame);
         let mut index = 0;
         for window in hemicube::windows(resolution) {
             for j in 0..window.height {

@@ -139,6 +139,21 @@ impl Scene {
         Self::new(materials, objects, surfaces, &depths, origin)
     }
 
+    /// The same scene with coarser patches: surface s is bisected `min(bisections(s), its own)` times, so that
+    /// every patch of this scene is part of one of that.
+    #[must_use]
+    pub fn coarsened(&self, bisections: impl Fn(SurfaceId, u32) -> u32) -> Self {
+        let ids = (0..).map(SurfaceId);
+        let depths: Vec<u32> = ids
+            .zip(self.mesh.trees())
+            .map(|(id, tree)| bisections(id, tree.depth).min(tree.depth))
+            .collect();
+        Self {
+            mesh: Mesh::new(&depths).expect("fewer patches than before"),
+            ..self.clone()
+        }
+    }
+
     /// All materials.
     pub fn materials(&self) -> &[Material] {
         &self.materials

@@ -88,11 +88,11 @@ fn patches(scene: &Scene) -> Vec<PatchId> {
 pub fn item_buffer(plan: &Plan, hemicubes: &Arc<Hemicubes>) -> anyhow::Result<Timing> {
     let resolution = hemicubes.settings().resolution;
     let mut drawer = HemicubeDrawer::new(hemicubes.drawable(), resolution);
-    let patches = patches(hemicubes.scene());
+    let patches = patches(hemicubes.receivers());
     let timing = repeat(plan, || {
         for &patch in &patches {
             let frame = hemicubes.frames(patch)[0];
-            drawer.draw(patch, &frame, NOTHING, BACK_FACE, |_, _, ids| {
+            drawer.draw(hemicubes.surface_of(patch), &frame, NOTHING, BACK_FACE, |_, _, ids| {
                 black_box(ids);
             });
         }
@@ -115,7 +115,7 @@ pub struct Row {
 /// A hemicube drawn and merged into a row.
 pub fn row(plan: &Plan, hemicubes: &Arc<Hemicubes>) -> anyhow::Result<Row> {
     let mut drawer = RowDrawer::new(hemicubes);
-    let patches = patches(hemicubes.scene());
+    let patches = patches(hemicubes.receivers());
     let (mut entries, mut bytes) = (0, 0);
     let timing = repeat(plan, || {
         (entries, bytes) = (0, 0);

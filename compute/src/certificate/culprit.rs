@@ -27,7 +27,7 @@ const MAX_PIXELS: usize = 1 << 23;
 
 /// The object that is to blame for what the `worst` patches, worst first, lose.
 pub(super) fn culprit(hemicubes: &Hemicubes, loss: Loss, worst: &[(usize, f64)]) -> Option<String> {
-    let scene = hemicubes.scene();
+    let scene = hemicubes.receivers();
     let resolution = hemicubes.settings().resolution;
     let mut blame = Blame {
         scene,
@@ -41,7 +41,7 @@ pub(super) fn culprit(hemicubes: &Hemicubes, loss: Loss, worst: &[(usize, f64)])
     let work = hemicube::pixel_count(resolution) + 8 * scene.surfaces().len();
     'patches: for &(patch, _) in worst {
         let patch = PatchId(patch as u32);
-        let own = scene.mesh().surface_of(patch);
+        let own = hemicubes.surface_of(patch);
         let frames = hemicubes.frames(patch);
         let delta_form_factors = hemicubes.delta_form_factors(frames.len() as u32);
         for frame in frames {

@@ -7,16 +7,17 @@ use rayon::prelude::*;
 
 use crate::rows::{RowBatch, UNITS_PER_ONE};
 
-/// sum_i A_i F_ij and sum_i F_ji for every patch j, over the rows that were added.
+/// sum_i A_i F_ij for every patch j that is seen and sum_j F_ij for every patch i that sees, over the rows that were
+/// added.
 #[derive(Clone, Debug)]
 pub struct Received {
-    /// In units of `unit`, one per patch.
+    /// In units of `unit`, one per patch that has a row.
     areas: Vec<u64>,
     /// m^2.
     unit: f64,
-    /// In units of `unit`/`PARTS_PER_ONE`, one per patch. At most 2^50 2^52 2^24.
+    /// In units of `unit`/`PARTS_PER_ONE`, one per patch that is seen. At most 2^50 2^52 2^24.
     sums: Vec<u128>,
-    /// In units of 1/`PARTS_PER_ONE`, one per patch; 0 for rows that were not added.
+    /// In units of 1/`PARTS_PER_ONE`, one per patch that has a row; 0 for rows that were not added.
     row_sums: Vec<u64>,
 }
 
@@ -35,13 +36,13 @@ fn parts(units: f32) -> u64 {
 const MIN_PATCHES_PER_TASK: usize = 4096;
 
 impl Received {
-    /// No rows yet. `areas` has one element per patch, m^2.
-    pub fn new(areas: &[f64]) -> Self {
+    /// No rows yet. `areas` has one element per patch that has a row, m^2; `sources` patches can be seen.
+    pub fn new(areas: &[f64], sources: u32) -> Self {
         let unit = areas.iter().copied().fold(0.0, f64::max) / (1_u64 << 50) as f64;
         Self {
             areas: areas.iter().map(|area| (area / unit) as u64).collect(),
             unit,
-            sums: vec![0; areas.len()],
+            sums: vec![0; sources as usize],
             row_sums: vec![0; areas.len()],
         }
     }
@@ -81,7 +82,7 @@ impl Received {
         self.sums[patch] as f64 / PARTS_PER_ONE * self.unit
     }
 
-    /// sum_i F_ji of patch j, dimensionless; 0 where its row was not added.
+    /// sum_j F_ij of patch i, dimensionless; 0 where its row was not added.
     pub fn row_sum(&self, patch: usize) -> f64 {
         self.row_sums[patch] as f64 / PARTS_PER_ONE
     }
@@ -121,7 +122,7 @@ mod tests {
             batch.push(&row, Unseen::default());
         }
         let pool = rayon::ThreadPoolBuilder::new().num_threads(4).build();
-        let mut received = Received::new(&areas);
+        let mut received = Received::new(&areas, count as u32);
         pool.unwrap().install(|| received.add(&batch, |k| k != 3));
         for (j, expected) in expected.iter().enumerate() {
             // 40 additions of f64; the integer sums are exact but for the areas' rounding by 2^-50 of the

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use scene::{NO_PATCH, PatchId, Scene};
+use scene::{NO_PATCH, SurfaceId};
 
 use super::{Cull, Drawable, Projection, Raster};
 use crate::hemicube::{self, Frame, Window};
@@ -15,7 +15,6 @@ pub const BACK_FACE: u32 = 1 << 24 | NO_PATCH.0;
 /// Draws hemicubes one after the other, for one thread.
 #[derive(Clone, Debug)]
 pub struct HemicubeDrawer<'a> {
-    scene: &'a Scene,
     windows: [Window; 5],
     projection: Projection<'a>,
     raster: Raster,
@@ -25,23 +24,21 @@ impl<'a> HemicubeDrawer<'a> {
     /// A drawer of hemicubes of this resolution.
     pub fn new(drawable: &Arc<Drawable<'a>>, resolution: u32) -> Self {
         Self {
-            scene: drawable.scene(),
             windows: hemicube::windows(resolution),
             projection: Projection::new(drawable),
             raster: Raster::default(),
         }
     }
 
-    /// Draws the hemicube at `frame` on `patch` and hands out its rows of patch IDs: face, row, IDs.
+    /// Draws the hemicube at `frame` on the surface `own` and hands out its rows of patch IDs: face, row, IDs.
     pub fn draw(
         &mut self,
-        patch: PatchId,
+        own: SurfaceId,
         frame: &Frame,
         nothing: u32,
         back_face: u32,
         mut take: impl FnMut(usize, usize, &[u32]),
     ) {
-        let own = self.scene.mesh().surface_of(patch);
         self.projection.set(frame, Some(own), true, Cull::Nothing);
         for (face, window) in self.windows.iter().enumerate() {
             self.raster.draw_face(&self.projection, face, window);
@@ -54,10 +51,10 @@ impl<'a> HemicubeDrawer<'a> {
 
     /// The item buffer of a hemicube in the layout of [`crate::hemicube`]: 3 R^2 patch IDs,
     /// [`NOTHING`] or [`BACK_FACE`].
-    pub fn item_buffer(&mut self, patch: PatchId, frame: &Frame) -> Vec<u32> {
+    pub fn item_buffer(&mut self, own: SurfaceId, frame: &Frame) -> Vec<u32> {
         let size = self.windows[0].width;
         let mut ids = Vec::with_capacity(3 * size * size);
-        self.draw(patch, frame, NOTHING, BACK_FACE, |_, _, row| {
+        self.draw(own, frame, NOTHING, BACK_FACE, |_, _, row| {
             ids.extend_from_slice(row);
         });
         ids

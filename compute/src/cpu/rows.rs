@@ -93,7 +93,7 @@ impl<'a> RowDrawer<'a> {
         Self {
             hemicubes: Arc::clone(hemicubes),
             drawer: HemicubeDrawer::new(hemicubes.drawable(), resolution),
-            merger: Merger::new(hemicubes.scene().patch_count()),
+            merger: Merger::new(hemicubes.sources().patch_count()),
             row: Vec::new(),
         }
     }
@@ -103,10 +103,11 @@ impl<'a> RowDrawer<'a> {
         let factors = self
             .hemicubes
             .delta_form_factors(self.hemicubes.count(patch));
+        let own = self.hemicubes.surface_of(patch);
         let (nothing, back_face) = (self.merger.nothing(), self.merger.back_face());
         for frame in self.hemicubes.frames(patch) {
             self.drawer
-                .draw(patch, &frame, nothing, back_face, |face, j, ids| {
+                .draw(own, &frame, nothing, back_face, |face, j, ids| {
                     self.merger.add(ids, factors.row_sums(face, j));
                 });
         }

@@ -48,7 +48,7 @@ impl Merger {
         layout: AtlasLayout,
         hemicubes: &Hemicubes,
     ) -> Result<Self, BackendError> {
-        let patch_count = hemicubes.scene().patch_count();
+        let patch_count = hemicubes.sources().patch_count();
         let counts: Vec<u32> = hemicubes.tables().map(|(count, _)| count).collect();
         let hemicubes_per_row = counts.last().copied().unwrap_or(1);
         let sums_per_row = u64::from(patch_count) + 2;

@@ -35,7 +35,7 @@ impl<'a> GpuRows<'a> {
         choice: AdapterChoice,
     ) -> Result<Self, BackendError> {
         let gpu = Gpu::open(choice)?;
-        let drawer = AtlasDrawer::new(&gpu, hemicubes.scene(), hemicubes.settings().resolution)?;
+        let drawer = AtlasDrawer::new(&gpu, hemicubes.sources(), hemicubes.settings().resolution)?;
         let merger = Merger::new(&gpu, drawer.view(), drawer.layout(), hemicubes)?;
         let pace = Pace::new(drawer.layout().tiles());
         // What goes wrong up to here, such as memory running out, speaks against the adapter.
@@ -61,8 +61,8 @@ impl<'a> GpuRows<'a> {
     /// [`crate::cpu::item_buffer::HemicubeDrawer::item_buffer`]. It is read back pixel by pixel, which
     /// is slow; rows never are.
     pub fn item_buffer(&mut self, patch: PatchId, frame: &Frame) -> Result<Vec<u32>, BackendError> {
-        let scene = self.hemicubes.scene();
-        let own = scene.mesh().surface_of(patch);
+        let scene = self.hemicubes.sources();
+        let own = self.hemicubes.surface_of(patch);
         let frames = self.hemicubes.frames(patch);
         // A frame that is not one of the patch's own is drawn where the first of them is.
         let point = frames.iter().position(|f| f == frame).unwrap_or(0);
@@ -86,8 +86,8 @@ impl<'a> GpuRows<'a> {
         self.merger.start(&self.gpu, patches.len() as u32);
         for (row, patch) in (0..).zip(patches.clone()) {
             let patch = PatchId(patch);
-            let scene = self.hemicubes.scene();
-            let own = scene.mesh().surface_of(patch);
+            let scene = self.hemicubes.sources();
+            let own = self.hemicubes.surface_of(patch);
             let frames = self.hemicubes.frames(patch);
             for (number, frame) in (self.hemicubes.first(patch)..).zip(&frames) {
                 for tile in 0..TILES_PER_HEMICUBE {
@@ -145,7 +145,7 @@ impl RowSource for GpuRows<'_> {
 
     /// A submission's worth of hemicubes; it grows from small as the adapter turns out to be fast.
     fn preferred_batch(&self) -> u32 {
-        let patches = u64::from(self.hemicubes.scene().patch_count().max(1));
+        let patches = u64::from(self.hemicubes.receivers().patch_count().max(1));
         let hemicubes_per_row = self.hemicubes.total().div_ceil(patches) as u32;
         (self.pace.tiles / (TILES_PER_HEMICUBE as u32 * hemicubes_per_row))
             .clamp(1, self.merger.max_rows())

@@ -49,7 +49,7 @@ impl<'a> LampViewer<'a> {
     /// A viewer of these lamps; of all of them, if `all`, whether they matter or not.
     pub fn new(hemicubes: &Arc<Hemicubes<'a>>, lamps: &Arc<[Lamp]>, all: bool) -> Self {
         Self {
-            scene: hemicubes.scene(),
+            scene: hemicubes.sources(),
             hemicubes: Arc::clone(hemicubes),
             lamps: Arc::clone(lamps),
             all,
@@ -69,7 +69,7 @@ impl<'a> LampViewer<'a> {
         unseen: Unseen,
     ) -> (Vec<Entry>, Unseen) {
         let frames = self.hemicubes.frames(patch);
-        let own = self.scene.mesh().surface_of(patch);
+        let own = self.hemicubes.surface_of(patch);
         let mut chosen = self.choose(own, &frames);
         let seen = loop {
             match self.look(own, &frames, &chosen) {

@@ -8,7 +8,7 @@ use compute::cpu::item_buffer::{BACK_FACE, HemicubeDrawer};
 use compute::hemicube::Frame;
 use compute::rows::{RowBatch, UNITS_PER_ONE};
 use glam::{DVec3, Vec3};
-use scene::{MaterialId, ObjectId, PatchId, Scene, Surface};
+use scene::{MaterialId, ObjectId, Scene, Surface, SurfaceId};
 
 use super::{all_rows, cache};
 use crate::common::{self, block, compute, folder, material, quad, save, stderr};
@@ -184,7 +184,7 @@ fn rays_along_the_silhouette_of_a_solid_never_see_its_inside() {
             surfaces.extend(block(low, high, true, 0));
             let scene = common::scene(vec![material(0.5, 1.0)], surfaces, f64::INFINITY);
             let ids = HemicubeDrawer::new(&Arc::new(Drawable::new(&scene)), resolution)
-                .item_buffer(PatchId(own as u32), &frame);
+                .item_buffer(SurfaceId(own as u32), &frame);
             let backs = ids.iter().filter(|&&id| id == BACK_FACE).count();
             assert_eq!(backs, 0, "{low} {high}");
         }

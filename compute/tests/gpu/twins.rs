@@ -92,7 +92,7 @@ fn compare(on_cpu: &Scene, on_gpu: &Scene, resolution: u32, count: u32) -> Optio
     let mut comparison = Comparison::default();
     for patch in sample(on_cpu, count) {
         let frame = frame(on_cpu, patch);
-        let expected = cpu.item_buffer(patch, &frame);
+        let expected = cpu.item_buffer(on_cpu.mesh().surface_of(patch), &frame);
         let ids = gpu.item_buffer(patch, &frame).unwrap();
         comparison.add(&expected, &ids, resolution);
     }
