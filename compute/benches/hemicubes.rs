@@ -54,9 +54,15 @@ fn item_buffers(c: &mut Criterion, name: &str, scenes: &[Scene]) {
             b.iter(|| {
                 for &patch in &patches {
                     let frame = hemicubes.frames(patch)[0];
-                    drawer.draw(hemicubes.surface_of(patch), &frame, NOTHING, BACK_FACE, |_, _, ids| {
-                        black_box(ids);
-                    });
+                    drawer.draw(
+                        hemicubes.surface_of(patch),
+                        &frame,
+                        NOTHING,
+                        BACK_FACE,
+                        |_, _, ids| {
+                            black_box(ids);
+                        },
+                    );
                 }
             });
         });

@@ -26,6 +26,7 @@ mod received;
 use scene::{PatchId, Scene};
 use serde::Serialize;
 
+use crate::hemicubes::Hemicubes;
 use crate::row_cache::RowCache;
 use crate::rows::UNITS_PER_ONE;
 use culprit::{Loss, culprit};
@@ -98,7 +99,8 @@ pub struct Certificate {
 pub struct Reciprocity {
     /// Root mean square of the relative difference, by area, dimensionless.
     pub rms: f64,
-    /// The patch with the largest relative difference.
+    /// The patch with the largest relative difference; where sources are coarser, the first one of the source that has
+    /// it.
     pub worst_patch: u32,
     /// What it is part of.
     pub worst_object: String,
@@ -127,13 +129,10 @@ pub struct Finding {
 pub fn certify(rows: &RowCache, imbalance: Option<f64>, residual: Option<f64>) -> Certificate {
     let scene = rows.hemicubes().receivers();
     let areas = scene.patch_areas();
+    let exchange = Exchange::new(rows, &areas);
     let rows_drawn = rows.unseen().iter().flatten().count() as u32;
     let all_drawn = rows_drawn == scene.patch_count();
-    let is_seen = |j: usize| {
-        let back_face = rows.unseen()[j].map_or(0.0, |unseen| f64::from(unseen.back_face));
-        let sees = rows.received().row_sum(j) + back_face / f64::from(UNITS_PER_ONE);
-        rows.received().area(j) > SEEN_BY_CHANCE * areas[j] * sees
-    };
+    let is_seen = |j: usize| exchange.is_seen[j];
     let hidden = (0..areas.len()).filter(|&j| !is_seen(j)).count() as u32;
     // Where nobody sees anybody, as around a solid, there is no exchange to be left out of.
     let leave_out_hidden = all_drawn && hidden < scene.patch_count();
@@ -173,7 +172,7 @@ pub fn certify(rows: &RowCache, imbalance: Option<f64>, residual: Option<f64>) -
         back_face_share,
         looks_closed,
         closure_error: closure_error(rows),
-        reciprocity: all_drawn.then(|| reciprocity(scene, &areas, rows)),
+        reciprocity: all_drawn.then(|| exchange.reciprocity(rows.hemicubes())),
         opening: if looks_closed == Some(true) {
             find(Loss::Opening, open_share)
         } else {
@@ -217,30 +216,64 @@ fn object_name(scene: &Scene, patch: usize) -> String {
     scene.object(scene.surface(surface).object).to_owned()
 }
 
-fn reciprocity(scene: &Scene, areas: &[f64], rows: &RowCache) -> Reciprocity {
-    let (mut squares, mut whole) = (0.0, 0.0);
-    let (mut worst_patch, mut worst) = (0, 0.0_f64);
-    for (j, &area) in areas.iter().enumerate() {
-        let sent = area * rows.received().row_sum(j);
-        let received = rows.received().area(j);
-        let larger = sent.max(received);
-        let by_chance = sent == 0.0 && received <= SEEN_BY_CHANCE * area;
-        let difference = if by_chance {
-            0.0
-        } else {
-            (received - sent) / larger
+/// What sources send and receive, each the sum over its patches; a patch is its own source unless sources are
+/// coarser.
+struct Exchange {
+    /// Area, A_j sum_i F_ji and sum_i A_i F_ij of each source, m^2.
+    sources: Vec<[f64; 3]>,
+    /// Whether others see its source, one per patch.
+    is_seen: Vec<bool>,
+}
+
+impl Exchange {
+    /// `areas` has one element per patch, m^2.
+    fn new(rows: &RowCache, areas: &[f64]) -> Self {
+        let hemicubes = rows.hemicubes();
+        let mut exchange = Self {
+            sources: Vec::with_capacity(hemicubes.sources().patch_count() as usize),
+            is_seen: Vec::with_capacity(areas.len()),
         };
-        squares += area * difference * difference;
-        whole += area;
-        if difference.abs() > worst.abs() {
-            (worst_patch, worst) = (j, difference);
+        for source in 0..hemicubes.sources().patch_count() {
+            let [mut area, mut sent, mut sent_to_backs] = [0.0; 3];
+            let patches = hemicubes.receivers_of(PatchId(source));
+            for i in patches.clone().map(|patch| patch as usize) {
+                let back_face = rows.unseen()[i].map_or(0, |unseen| unseen.back_face);
+                area += areas[i];
+                sent += areas[i] * rows.received().row_sum(i);
+                sent_to_backs += areas[i] * f64::from(back_face) / f64::from(UNITS_PER_ONE);
+            }
+            let received = rows.received().area(source as usize);
+            let is_seen = received > SEEN_BY_CHANCE * (sent + sent_to_backs);
+            exchange.sources.push([area, sent, received]);
+            exchange.is_seen.extend(patches.map(|_| is_seen));
         }
+        exchange
     }
-    Reciprocity {
-        rms: (squares / whole).sqrt(),
-        worst_patch: worst_patch as u32,
-        worst_object: object_name(scene, worst_patch),
-        worst,
+
+    fn reciprocity(&self, hemicubes: &Hemicubes) -> Reciprocity {
+        let (mut squares, mut whole) = (0.0, 0.0);
+        let (mut worst_source, mut worst) = (0, 0.0_f64);
+        for (source, &[area, sent, received]) in (0..).zip(&self.sources) {
+            let larger = sent.max(received);
+            let by_chance = sent == 0.0 && received <= SEEN_BY_CHANCE * area;
+            let difference = if by_chance {
+                0.0
+            } else {
+                (received - sent) / larger
+            };
+            squares += area * difference * difference;
+            whole += area;
+            if difference.abs() > worst.abs() {
+                (worst_source, worst) = (source, difference);
+            }
+        }
+        let worst_patch = hemicubes.receivers_of(PatchId(worst_source)).start;
+        Reciprocity {
+            rms: (squares / whole).sqrt(),
+            worst_patch,
+            worst_object: object_name(hemicubes.receivers(), worst_patch as usize),
+            worst,
+        }
     }
 }
 

@@ -20,6 +20,7 @@
 mod point_count;
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
@@ -103,7 +104,7 @@ impl<'a> Hemicubes<'a> {
     }
 
     /// Hemicubes that stand on the patches of one mesh and see those of another one, over the same surfaces: a
-    /// row has an entry for each of `sources`' patches.
+    /// row has an entry for each of `sources`' patches. Each of those is one of `receivers`' or several.
     ///
     /// # Panics
     /// Where the surfaces are not as many.
@@ -150,6 +151,14 @@ impl<'a> Hemicubes<'a> {
     /// The surface that a patch, and so its hemicubes, stand on.
     pub fn surface_of(&self, patch: PatchId) -> SurfaceId {
         self.receivers.mesh().surface_of(patch)
+    }
+
+    /// The patches that a source is made of; itself, but for [`Self::between`].
+    pub fn receivers_of(&self, source: PatchId) -> Range<u32> {
+        let mesh = self.sources().mesh();
+        let surface = mesh.surface_of(source);
+        let (coarse, fine) = (mesh.tree(surface), self.receivers.mesh().tree(surface));
+        fine.node(coarse.depth, source.0 - coarse.first_patch.0)
     }
 
     /// What item buffers draw of the sources.

@@ -63,6 +63,9 @@ pub struct Report {
     pub surfaces: usize,
     /// Hemicubes drawn, those drawn again included.
     pub hemicubes_drawn: u64,
+    /// The sources, where they are coarser than the patches.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sources: Option<SourcesReport>,
     /// Form factors.
     pub rows: RowsReport,
     /// Seconds by stage.
@@ -108,6 +111,8 @@ pub struct SettingsReport {
     pub seed: String,
     /// Views of lamps.
     pub lamps: LampViews,
+    /// How coarse sources were to be.
+    pub source_area: String,
     /// Solver.
     pub solver: SolverChoice,
     /// Relative residual to stop at.
@@ -131,6 +136,32 @@ pub struct BackendReport {
     pub name: &'static str,
     /// Threads, or the adapter's name.
     pub adapter: String,
+}
+
+/// What was solved among, before the patches gathered.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct SourcesReport {
+    /// How many.
+    pub count: u32,
+    /// Their largest area, where patches are smaller, m^2.
+    pub max_area: f64,
+    /// About the error of irradiance that they bring, relative, root mean square by area; null where it was not asked
+    /// for.
+    pub estimated_error: Option<f64>,
+    /// Share of the patches that have gathered from them, 0 to 1; the others have what their source has.
+    pub gathered_share: f64,
+}
+
+impl SourcesReport {
+    /// So many sources of at most `max_area`, m^2, from which no patch has gathered yet.
+    pub fn new(count: u32, max_area: f64) -> Self {
+        Self {
+            count,
+            max_area,
+            estimated_error: None,
+            gathered_share: 0.0,
+        }
+    }
 }
 
 /// What became of the form factors.
@@ -332,6 +363,17 @@ impl Report {
                 closure.min, closure.max, closure.mean
             ));
         }
+        if let Some(sources) = self.sources {
+            let error = sources.estimated_error.map_or_else(String::new, |error| {
+                format!(", which brings an error of about {:.2} %", 100.0 * error)
+            });
+            lines.push(format!(
+                "sources        {} of at most {:.3} m^2{error}; {:.1} % of the patches have gathered from them",
+                sources.count,
+                sources.max_area,
+                100.0 * sources.gathered_share,
+            ));
+        }
         lines.push(format!("certificate    {}", self.certificate.summary()));
         let residual = self
             .residuals
@@ -368,6 +410,7 @@ impl SettingsReport {
             points: settings.form_factors.points.to_string(),
             seed: settings.form_factors.turns.to_string(),
             lamps: settings.lamps,
+            source_area: settings.source_area.to_string(),
             solver: settings.solver,
             tolerance: settings.tolerance,
             iterations: settings.max_iterations,

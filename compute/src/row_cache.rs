@@ -56,6 +56,16 @@ impl RowStatistics {
         (self.kept_entries > 0).then(|| self.kept_bytes as f64 / self.kept_entries as f64)
     }
 
+    /// The same rows, with what drawing others has cost counted too.
+    #[must_use]
+    pub fn with_drawing_of(&self, others: &Self) -> Self {
+        Self {
+            hemicubes: self.hemicubes + others.hemicubes,
+            duration: self.duration + others.duration,
+            ..*self
+        }
+    }
+
     /// About the memory that all of so many rows would take, bytes, told by those that were drawn.
     pub fn bytes_of_all(&self, rows: u32) -> u64 {
         let bytes = (self.kept_bytes + self.left_out_bytes) as f64;
@@ -89,6 +99,11 @@ impl<'a> RowCache<'a> {
     /// The hemicubes that the rows come from.
     pub fn hemicubes(&self) -> &Hemicubes<'a> {
         &self.hemicubes
+    }
+
+    /// How many rows there are.
+    pub fn patch_count(&self) -> u32 {
+        self.patch_count
     }
 
     /// What the back end calls itself.

@@ -1,5 +1,7 @@
 //! A whole run: load, solve with checkpoints, write, report.
 
+mod levels;
+
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -9,6 +11,7 @@ use scene::file::{self, OutputLock};
 use scene::{Scene, Solution};
 
 use crate::backend::{self, Backend};
+use crate::cpu::Drawable;
 use crate::hemicubes::Hemicubes;
 use crate::lamps::with_lamps;
 use crate::problem::Problem;
@@ -16,10 +19,12 @@ use crate::progress::{Position, Progress};
 use crate::quantity::show_size;
 use crate::report::{self, BackendReport, Report, RowsReport, Seconds, SettingsReport, StoppedBy};
 use crate::row_cache::{RowCache, RowStatistics};
-use crate::settings::{Settings, SolverChoice};
+use crate::settings::{Settings, SolverChoice, SourceArea};
 use crate::solver::convergence::Convergence;
 use crate::solver::{Gather, Shoot, Solver, Update, ambient_radiosity};
+use crate::two_levels;
 use crate::{certificate, form_factors_csv, interrupt, view_factors};
+use levels::Solved;
 
 /// Does what was asked for, and says on standard error what a user should know on the way.
 ///
@@ -51,6 +56,8 @@ struct Run<'a> {
     settings: &'a Settings,
     start: Instant,
     seconds: Seconds,
+    /// Whether the user knows why the back end is not another one.
+    is_remark_said: bool,
 }
 
 impl<'a> Run<'a> {
@@ -59,6 +66,7 @@ impl<'a> Run<'a> {
             settings,
             start: Instant::now(),
             seconds: Seconds::default(),
+            is_remark_said: false,
         }
     }
 
@@ -67,19 +75,12 @@ impl<'a> Run<'a> {
         let (scene, solution) = file::load(&settings.input)?;
         self.seconds.load = self.start.elapsed().as_secs_f64();
 
-        let opening = Instant::now();
-        let hemicubes = Arc::new(Hemicubes::new(&scene, settings.form_factors));
-        let Backend {
-            name,
-            source,
-            remark,
-        } = backend::open(&hemicubes, settings.backend)?;
-        self.seconds.open = opening.elapsed().as_secs_f64();
-        if let Some(remark) = remark {
-            eprintln!("compute: {remark}");
-        }
-        let source = with_lamps(&hemicubes, settings.lamps, source);
-        let mut rows = RowCache::new(&hemicubes, source, settings.memory_bytes);
+        let iterations_before = solution.as_ref().map_or(0, |s| s.provenance.iterations);
+        let (levels, coarse) = self.solve_among_sources(&scene, solution)?;
+        let hemicubes = Arc::new(self.hemicubes(&scene, coarse.as_ref().unwrap_or(&scene)));
+        // Rows that patches gather with once are not worth keeping.
+        let memory_bytes = coarse.as_ref().map_or(settings.memory_bytes, |_| 0);
+        let (name, mut rows) = self.rows(&hemicubes, memory_bytes)?;
         if let Err(error) = self.write_factors(&scene, &mut rows) {
             if !interrupt::requested() {
                 return Err(error);
@@ -87,30 +88,11 @@ impl<'a> Run<'a> {
             // What there is of a solution is still written below.
             eprintln!("compute: {error:#}");
         }
-
-        let iterations_before = solution.as_ref().map_or(0, |s| s.provenance.iterations);
-        let (solution, result) = if settings
-            .max_iterations
-            .is_some_and(|most| iterations_before >= most)
-        {
-            eprintln!(
-                "compute: nothing to do: {} has had {iterations_before} iterations",
-                settings.input.display()
-            );
-            // As it is: these settings have done nothing to it.
-            let solution = solution.unwrap_or_else(|| self.start_from(&scene, None));
-            let stopped_by = if interrupt::requested() {
-                StoppedBy::Interrupt
-            } else {
-                StoppedBy::Iterations
-            };
-            (solution, Ok(stopped_by))
-        } else {
-            let start = self.start_from(&scene, solution);
-            let mut solver = solver(settings.solver, &scene, start);
-            let result = self.iterate(&scene, solver.as_mut(), &mut rows);
-            (solver.snapshot(), result)
-        };
+        let Solved {
+            solution,
+            result,
+            sources,
+        } = self.solve(levels, &mut rows);
         let saved = self.save(&scene, &solution);
         let mut stopped_by = self.outcome(result, saved)?;
         if settings.strict && !matches!(stopped_by, StoppedBy::Interrupt | StoppedBy::TimeLimit) {
@@ -120,7 +102,10 @@ impl<'a> Run<'a> {
             }
         }
 
-        let statistics = rows.statistics();
+        let mut statistics = rows.statistics();
+        if let Some((_, of_sources)) = sources {
+            statistics = of_sources.with_drawing_of(&statistics);
+        }
         self.seconds
             .finish(self.start.elapsed(), statistics.duration);
         let (energy, closure, back_face_share) = report::measure(&scene, &solution, &rows);
@@ -142,6 +127,7 @@ impl<'a> Run<'a> {
             patches: scene.patch_count(),
             surfaces: scene.surfaces().len(),
             hemicubes_drawn: statistics.hemicubes,
+            sources: sources.map(|(report, _)| report),
             rows: RowsReport {
                 kept: statistics.kept_rows,
                 kept_bytes: statistics.kept_bytes,
@@ -170,8 +156,51 @@ impl<'a> Run<'a> {
         Ok(report)
     }
 
-    /// Writes the form factors and the view factors that were asked for.
-    fn write_factors(&self, scene: &Scene, rows: &mut RowCache) -> anyhow::Result<()> {
+    /// The hemicubes of a scene's patches that see those of `sources`.
+    fn hemicubes<'s>(&mut self, scene: &'s Scene, sources: &'s Scene) -> Hemicubes<'s> {
+        let opening = Instant::now();
+        let drawable = Arc::new(Drawable::new(sources));
+        let hemicubes = Hemicubes::between(scene, &drawable, self.settings.form_factors);
+        self.seconds.open += opening.elapsed().as_secs_f64();
+        hemicubes
+    }
+
+    /// The rows of hemicubes, drawn as is asked for, and the back end's name.
+    fn rows<'s>(
+        &mut self,
+        hemicubes: &Arc<Hemicubes<'s>>,
+        memory_bytes: u64,
+    ) -> anyhow::Result<(&'static str, RowCache<'s>)> {
+        let opening = Instant::now();
+        let Backend {
+            name,
+            source,
+            remark,
+        } = backend::open(hemicubes, self.settings.backend)?;
+        self.seconds.open += opening.elapsed().as_secs_f64();
+        if let Some(remark) = remark
+            && !std::mem::replace(&mut self.is_remark_said, true)
+        {
+            eprintln!("compute: {remark}");
+        }
+        let source = with_lamps(hemicubes, self.settings.lamps, source);
+        Ok((name, RowCache::new(hemicubes, source, memory_bytes)))
+    }
+
+    /// Writes the form factors and the view factors between patches that were asked for.
+    fn write_factors(&mut self, scene: &Scene, rows: &mut RowCache) -> anyhow::Result<()> {
+        if self.settings.form_factors_csv.is_none() && self.settings.view_factors_csv.is_none() {
+            return Ok(());
+        }
+        if rows.hemicubes().sources().patch_count() == scene.patch_count() {
+            return self.write_factors_of(scene, rows);
+        }
+        let hemicubes = Arc::new(self.hemicubes(scene, scene));
+        let (_, mut rows) = self.rows(&hemicubes, 0)?;
+        self.write_factors_of(scene, &mut rows)
+    }
+
+    fn write_factors_of(&self, scene: &Scene, rows: &mut RowCache) -> anyhow::Result<()> {
         if let Some(path) = &self.settings.form_factors_csv {
             form_factors_csv::save(path, rows)?;
         }
@@ -184,7 +213,7 @@ impl<'a> Run<'a> {
     /// The state to go on from: the file's own where it was made with the same settings, else its
     /// irradiances alone.
     fn start_from(&self, scene: &Scene, solution: Option<Solution>) -> Solution {
-        let description = describe(self.settings);
+        let description = describe(self.settings, scene);
         let fresh = solution.is_none();
         let mut solution = solution.unwrap_or_else(|| Solution::dark(scene));
         if !fresh && solution.provenance.settings != description {
@@ -194,6 +223,7 @@ impl<'a> Run<'a> {
                 solution.provenance.settings,
             );
             solution.unfinished = None;
+            solution.provenance.sources = None;
             solution.unshot = None;
             solution.remainder = None;
             // They tell nothing about these settings, neither now nor in a file that is continued
@@ -211,6 +241,7 @@ impl<'a> Run<'a> {
         scene: &Scene,
         solver: &mut dyn Solver,
         rows: &mut RowCache,
+        goal: Goal,
     ) -> anyhow::Result<StoppedBy> {
         let settings = self.settings;
         let mut progress =
@@ -223,14 +254,16 @@ impl<'a> Run<'a> {
                     "radiosities are beyond what f32 holds, 3e38 W/m^2; lower the emission"
                 );
             }
-            if solver.residual().is_some_and(|r| r <= settings.tolerance) {
-                break StoppedBy::Tolerance;
-            }
-            if settings
-                .max_iterations
-                .is_some_and(|most| solver.iterations() >= most)
-            {
-                break StoppedBy::Iterations;
+            if goal == Goal::Convergence {
+                if solver.residual().is_some_and(|r| r <= settings.tolerance) {
+                    break StoppedBy::Tolerance;
+                }
+                if settings
+                    .max_iterations
+                    .is_some_and(|most| solver.iterations() >= most)
+                {
+                    break StoppedBy::Iterations;
+                }
             }
             if interrupt::requested() {
                 break StoppedBy::Interrupt;
@@ -243,7 +276,12 @@ impl<'a> Run<'a> {
             }
             let step = solver.step(rows)?;
             let statistics = rows.statistics();
-            if !is_shortage_said && let Some(shortage) = shortage(&statistics, scene.patch_count())
+            if goal == Goal::OnePass && step.ends_iteration {
+                break StoppedBy::Tolerance;
+            }
+            if goal == Goal::Convergence
+                && !is_shortage_said
+                && let Some(shortage) = shortage(&statistics, rows.patch_count())
             {
                 progress.say(&shortage);
                 is_shortage_said = true;
@@ -307,9 +345,19 @@ fn shortage(statistics: &RowStatistics, rows: u32) -> Option<String> {
     })
 }
 
+/// What a solver is run for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Goal {
+    /// Until the residual or the iterations are reached.
+    Convergence,
+    /// Until all patches have been gone through once.
+    OnePass,
+}
+
 /// Checkpoints more often than this would do nothing but write.
 const MIN_CHECKPOINT_INTERVAL: Duration = Duration::from_millis(50);
 
+/// A solver among the patches of a scene that goes on from `start`.
 fn solver(choice: SolverChoice, scene: &Scene, start: Solution) -> Box<dyn Solver> {
     let problem = Problem::new(scene);
     match choice {
@@ -321,10 +369,18 @@ fn solver(choice: SolverChoice, scene: &Scene, start: Solution) -> Box<dyn Solve
 
 /// The settings on which the result depends; a file made with the same, and with the same back end, goes
 /// on bit for bit.
-fn describe(settings: &Settings) -> String {
+fn describe(settings: &Settings, scene: &Scene) -> String {
     let form_factors = settings.form_factors;
+    let sources = match settings.source_area {
+        SourceArea::Auto => String::new(),
+        // As auto has it.
+        SourceArea::Patches if scene.patch_count() <= two_levels::MOST_ON_ONE_LEVEL => {
+            String::new()
+        }
+        area => format!(", sources {area}"),
+    };
     format!(
-        "{}, {} pixels, {:?} maps, points {}, seed {}, lamps {:?}",
+        "{}, {} pixels, {:?} maps, points {}, seed {}, lamps {:?}{sources}",
         settings.solver,
         form_factors.resolution,
         form_factors.maps,

@@ -123,6 +123,28 @@ impl std::fmt::Display for SolverChoice {
     }
 }
 
+/// How coarse sources are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SourceArea {
+    /// As the scene's patches, but in the largest scenes as coarse as the error allows, see
+    /// [`crate::two_levels`].
+    Auto,
+    /// As the scene's patches.
+    Patches,
+    /// Patches are joined to sources of at most this area, m^2.
+    AtMost(f64),
+}
+
+impl std::fmt::Display for SourceArea {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::Patches => f.write_str("patches"),
+            Self::AtMost(area) => write!(f, "{area}"),
+        }
+    }
+}
+
 /// What decides the form factors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FormFactorSettings {
@@ -159,6 +181,8 @@ pub struct Settings {
     pub form_factors: FormFactorSettings,
     /// Which lamps get a view of their own.
     pub lamps: LampViews,
+    /// How coarse sources are.
+    pub source_area: SourceArea,
     /// Who draws.
     pub backend: BackendChoice,
     /// Who solves.

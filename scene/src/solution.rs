@@ -21,6 +21,20 @@ pub struct Provenance {
     /// dimensionless.
     #[serde(deserialize_with = "numbers_or_null")]
     pub residuals: Vec<f64>,
+    /// Where the irradiances are those of coarser sources, and each patch has that of its source: what is left
+    /// to do until it has its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sources: Option<Sources>,
+}
+
+/// Coarse sources, each a node of a surface's bisection tree, on the way to a solution of the patches.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Sources {
+    /// Their largest area, m^2, where patches are smaller.
+    pub max_area: f64,
+    /// Whether they are solved, and the patches are gathering from them: what is unfinished then is what the first
+    /// patches have gathered.
+    pub is_gathering: bool,
 }
 
 /// JSON knows no infinity and no NaN, and writes null for them. A result must stay readable with

@@ -92,9 +92,15 @@ pub fn item_buffer(plan: &Plan, hemicubes: &Arc<Hemicubes>) -> anyhow::Result<Ti
     let timing = repeat(plan, || {
         for &patch in &patches {
             let frame = hemicubes.frames(patch)[0];
-            drawer.draw(hemicubes.surface_of(patch), &frame, NOTHING, BACK_FACE, |_, _, ids| {
-                black_box(ids);
-            });
+            drawer.draw(
+                hemicubes.surface_of(patch),
+                &frame,
+                NOTHING,
+                BACK_FACE,
+                |_, _, ids| {
+                    black_box(ids);
+                },
+            );
         }
         Ok(())
     })?;

@@ -1,0 +1,215 @@
+//! The levels of a run: solving among coarse sources, then among patches or by gathering from sources.
+
+use std::sync::Arc;
+
+use scene::{Rgb, Scene, Solution};
+
+use super::{Goal, Run, solver};
+use crate::interrupt;
+use crate::report::{SourcesReport, StoppedBy};
+use crate::row_cache::{RowCache, RowStatistics};
+use crate::settings::SourceArea;
+use crate::solver::Solver;
+use crate::two_levels::{self, GatherOnce, OnSources};
+
+/// How a run goes on.
+pub(super) enum Levels {
+    /// Not at all: this has had the iterations that were asked for.
+    Enough(Solution),
+    /// Among all patches, from this solution.
+    One(Solution),
+    /// By gathering from sources.
+    Two(Box<TwoLevels>),
+}
+
+/// What solving among sources has come to.
+pub(super) struct TwoLevels {
+    /// As a solution of the patches.
+    solution: Solution,
+    result: anyhow::Result<StoppedBy>,
+    report: SourcesReport,
+    /// Of these sources' rows; hemicubes and time those of all that were tried.
+    statistics: RowStatistics,
+}
+
+/// What a run has come to.
+pub(super) struct Solved {
+    pub solution: Solution,
+    pub result: anyhow::Result<StoppedBy>,
+    /// Where there are sources that are coarser than the patches, what is to be told of them and of their rows.
+    pub sources: Option<(SourcesReport, RowStatistics)>,
+}
+
+impl Run<'_> {
+    /// Solves among sources that are coarser than the patches, if there are to be any, from what the file holds;
+    /// they are given as a scene of their own.
+    ///
+    /// # Errors
+    /// A back end that does not open.
+    pub(super) fn solve_among_sources(
+        &mut self,
+        scene: &Scene,
+        solution: Option<Solution>,
+    ) -> anyhow::Result<(Levels, Option<Scene>)> {
+        let provenance = solution.as_ref().map(|solution| &solution.provenance);
+        let had = provenance.map_or(0, |provenance| provenance.iterations);
+        if self.settings.max_iterations.is_some_and(|most| had >= most)
+            && provenance.is_none_or(|provenance| provenance.sources.is_none())
+        {
+            let file = self.settings.input.display();
+            eprintln!("compute: nothing to do: {file} has had {had} iterations");
+            // As it is: these settings have done nothing to it.
+            let solution = solution.unwrap_or_else(|| self.start_from(scene, None));
+            return Ok((Levels::Enough(solution), None));
+        }
+        let mut start = self.start_from(scene, solution);
+        let before = start.provenance.sources;
+        let residual = start.provenance.residuals.last();
+        let is_solved = residual.is_some_and(|&residual| residual <= self.settings.tolerance);
+        let gathering = before.filter(|before| before.is_gathering);
+        let areas: Box<dyn Iterator<Item = f64>> = match self.settings.source_area {
+            _ if is_solved && before.is_none() => return Ok((Levels::One(start), None)),
+            SourceArea::Patches => return Ok((Levels::One(start), None)),
+            SourceArea::AtMost(area) => Box::new(std::iter::once(area)),
+            SourceArea::Auto => match gathering {
+                Some(gathering) => Box::new(std::iter::once(gathering.max_area)),
+                None if scene.patch_count() <= two_levels::MOST_ON_ONE_LEVEL => {
+                    return Ok((Levels::One(start), None));
+                }
+                None => Box::new(two_levels::areas_to_try(scene)),
+            },
+        };
+        let is_trying = self.settings.source_area == SourceArea::Auto && gathering.is_none();
+        if is_trying || gathering.is_some() && !is_solved {
+            start.unfinished = None;
+        }
+        let fresh = start.provenance.clone();
+        let mut drawn = RowStatistics::default();
+        // Patches with the irradiances of the sources tried before.
+        let mut coarser: Option<Vec<Rgb>> = None;
+        for area in areas {
+            let sources = two_levels::sources(scene, area);
+            let count = sources.patch_count();
+            if count == scene.patch_count() || is_trying && count > scene.patch_count() / 2 {
+                break;
+            }
+            if gathering.is_some() && is_solved {
+                let levels = TwoLevels {
+                    report: SourcesReport::new(count, area),
+                    result: Ok(StoppedBy::Tolerance),
+                    statistics: drawn,
+                    solution: start,
+                };
+                return Ok((Levels::Two(Box::new(levels)), Some(sources)));
+            }
+            let mut levels = self.solve_on(scene, &sources, area, start, coarser.as_deref())?;
+            levels.statistics = levels.statistics.with_drawing_of(&drawn);
+            drawn = levels.statistics;
+            let error = levels.report.estimated_error;
+            let is_good = error.is_some_and(|error| error <= two_levels::MOST_ERROR);
+            if levels.is_stopped() || is_good || !is_trying {
+                return Ok((Levels::Two(Box::new(levels)), Some(sources)));
+            }
+            coarser = Some(levels.solution.irradiance.clone());
+            start = Solution {
+                provenance: fresh.clone(),
+                unfinished: None,
+                ..levels.solution
+            };
+        }
+        start.provenance.sources = None;
+        Ok((Levels::One(start), None))
+    }
+
+    /// Solves among these sources, of at most `area`, m^2, and estimates what error they bring if `coarser`
+    /// irradiances, one per patch, are given.
+    fn solve_on(
+        &mut self,
+        scene: &Scene,
+        sources: &Scene,
+        area: f64,
+        start: Solution,
+        coarser: Option<&[Rgb]>,
+    ) -> anyhow::Result<TwoLevels> {
+        let hemicubes = Arc::new(self.hemicubes(sources, sources));
+        let (_, mut rows) = self.rows(&hemicubes, self.settings.memory_bytes)?;
+        let make = |start| solver(self.settings.solver, sources, start);
+        let mut on_sources = OnSources::new(scene, sources, area, start, make);
+        let result = self.iterate(scene, &mut on_sources, &mut rows, Goal::Convergence);
+        let mut levels = TwoLevels {
+            report: SourcesReport::new(sources.patch_count(), area),
+            result,
+            statistics: rows.statistics(),
+            solution: on_sources.snapshot(),
+        };
+        if let Some(coarser) = coarser
+            && !levels.is_stopped()
+        {
+            let irradiance = on_sources.among_sources().irradiance;
+            let coarser = two_levels::restricted(scene, sources, coarser);
+            let error = two_levels::estimated_error(sources, &mut rows, &irradiance, &coarser)?;
+            levels.report.estimated_error = Some(error);
+        }
+        Ok(levels)
+    }
+
+    /// Solves among all patches, or lets them gather from solved sources, with `rows`.
+    pub(super) fn solve(&mut self, levels: Levels, rows: &mut RowCache) -> Solved {
+        let (scene, sources) = (rows.hemicubes().receivers(), rows.hemicubes().sources());
+        let levels = match levels {
+            Levels::Enough(solution) => {
+                let stopped_by = if interrupt::requested() {
+                    StoppedBy::Interrupt
+                } else {
+                    StoppedBy::Iterations
+                };
+                return Solved {
+                    solution,
+                    result: Ok(stopped_by),
+                    sources: None,
+                };
+            }
+            Levels::One(start) => {
+                let mut solver = solver(self.settings.solver, scene, start);
+                return Solved {
+                    result: self.iterate(scene, solver.as_mut(), rows, Goal::Convergence),
+                    solution: solver.snapshot(),
+                    sources: None,
+                };
+            }
+            Levels::Two(levels) => *levels,
+        };
+        let is_stopped = levels.is_stopped();
+        let TwoLevels {
+            mut solution,
+            mut result,
+            mut report,
+            statistics,
+        } = levels;
+        if !is_stopped {
+            let mut gather = GatherOnce::new(scene, sources, solution);
+            match self.iterate(scene, &mut gather, rows, Goal::OnePass) {
+                // The sources' reason is the run's.
+                Ok(StoppedBy::Tolerance) => {}
+                stopped => result = stopped,
+            }
+            report.gathered_share = gather.share_done();
+            solution = gather.snapshot();
+        }
+        Solved {
+            solution,
+            result,
+            sources: Some((report, statistics)),
+        }
+    }
+}
+
+impl TwoLevels {
+    /// True where something has stopped the sources' solver before its end.
+    fn is_stopped(&self) -> bool {
+        !matches!(
+            self.result,
+            Ok(StoppedBy::Tolerance | StoppedBy::Iterations)
+        )
+    }
+}

@@ -1,0 +1,200 @@
+//! Two levels: coarse sources, fine receivers.
+//!
+//! # Theory
+//! What a patch receives is a mean over all that it sees, so sources may be coarser than receivers (Cohen, Greenberg,
+//! Immel and Brock, "An efficient radiosity approach for realistic image synthesis", IEEE Computer Graphics and
+//! Applications 6(3), 1986, where sources are "patches" and receivers "elements"). Sources here are inner nodes of
+//! the bisection trees, each a run of consecutive patches. The radiosity equation is solved among sources,
+//!
+//! B_s = E_s + rho_s sum_t F_st B_t,
+//!
+//! whose rows are few enough to be kept, and then each patch gathers once from what the sources have:
+//!
+//! H_i = sum_s F_is B_s.
+//!
+//! So a patch costs one row, whatever the number of iterations, and no row of patches is kept.
+//!
+//! # Error
+//! Within a source the radiosity is a constant. Gathering averages what that misses, and the error of H falls in
+//! proportion to the sources' size, or faster. [`SourceArea::Auto`](crate::settings::SourceArea::Auto) quarters the
+//! sources' area until the estimate of the error is at most [`MOST_ERROR`]: the change of irradiance that the
+//! last quartering has brought, over the irradiance, root mean square by area, halved since
+//!
+//! |H_h - H_0| = |H_2h - H_h| for an error in proportion to the size h, and a third for one to its square.
+//!
+//! Measured against the solution among all patches, models 1, 2, 3 and cornell of 5,000 to 27,000 patches: 0.12 to
+//! 0.29 percent of irradiance with sources of two patches, 0.23 to 1.3 with four, and an eighth to a half of that in
+//! radiosity, emission included.
+//!
+//! # Differences
+//! Cohen et al. average the rows of a source's elements to get its own; here a source has hemicubes of its own,
+//! placed as for a patch of its size.
+
+mod gather;
+mod on_sources;
+
+pub use gather::GatherOnce;
+pub use on_sources::OnSources;
+
+use glam::DVec3;
+use rayon::prelude::*;
+use scene::{Rgb, Scene, bisection};
+
+use crate::compact_rows::{Channels, CompactRows, Gatherer};
+use crate::problem::Problem;
+use crate::row_cache::RowCache;
+use crate::rows::{BackendError, UNITS_PER_ONE};
+
+/// The largest error of irradiance that automatic sources may be estimated to bring, root mean square by area,
+/// relative.
+pub const MOST_ERROR: f64 = 0.005;
+
+/// Scenes with more patches than this have automatic sources. Tuned: with fewer the rows of all patches fit into
+/// the default memory, and to draw and keep them takes no longer than to find good sources first.
+pub const MOST_ON_ONE_LEVEL: u32 = 1 << 18;
+
+/// Sources of the first try, if the surfaces are no more.
+const FEWEST_SOURCES: f64 = 1024.0;
+
+/// The scene with patches of at most `max_area`, m^2, where this one's are smaller: its sources.
+pub fn sources(scene: &Scene, max_area: f64) -> Scene {
+    scene.coarsened(|id, bisections| {
+        bisection::bisections_for(scene.surface(id).area(), max_area).unwrap_or(bisections)
+    })
+}
+
+/// The largest areas to be tried, each a quarter of the one before, m^2.
+pub fn areas_to_try(scene: &Scene) -> impl Iterator<Item = f64> {
+    let first = scene.area() / FEWEST_SOURCES;
+    std::iter::successors(Some(first), |area| Some(area / 4.0))
+}
+
+/// The mean of each source over its patches; of values of the first patches alone, that of the sources they fill.
+pub fn restricted(scene: &Scene, sources: &Scene, values: &[Rgb]) -> Vec<Rgb> {
+    let mut left = values;
+    runs(scene, sources)
+        .map_while(|length| {
+            let (run, rest) = left.split_at_checked(length)?;
+            left = rest;
+            let sum: DVec3 = run.iter().map(|value| value.as_dvec3()).sum();
+            Some((sum / length as f64).as_vec3())
+        })
+        .collect()
+}
+
+/// The value of its source for each patch; of values of the first sources alone, for the patches of these.
+pub fn prolonged(scene: &Scene, sources: &Scene, values: &[Rgb]) -> Vec<Rgb> {
+    let runs = runs(scene, sources).zip(values);
+    runs.flat_map(|(length, &value)| std::iter::repeat_n(value, length))
+        .collect()
+}
+
+/// How many patches each source is made of.
+fn runs(scene: &Scene, sources: &Scene) -> impl Iterator<Item = usize> {
+    let trees = scene.mesh().trees().iter().zip(sources.mesh().trees());
+    trees.flat_map(|(fine, coarse)| {
+        let length = 1 << (fine.depth - coarse.depth);
+        std::iter::repeat_n(length, coarse.patches().len())
+    })
+}
+
+/// Radiosities to gather from.
+#[derive(Debug)]
+struct Radiosities {
+    channels: Channels,
+    gatherer: Gatherer,
+}
+
+impl Radiosities {
+    /// Of sources with these irradiances, both W/m^2, one per source.
+    fn new(sources: &Problem, irradiance: &[Rgb]) -> Self {
+        let radiosity = irradiance.iter().enumerate();
+        Self {
+            channels: Channels::new(radiosity.map(|(s, &h)| sources.radiosity(s, h))),
+            gatherer: Gatherer::default(),
+        }
+    }
+
+    /// The irradiances, W/m^2, of the batch's patches from patch `from` on.
+    fn gather(&self, batch: &CompactRows, from: u32) -> Vec<Rgb> {
+        let first = batch.patches().start;
+        (from..batch.patches().end)
+            .into_par_iter()
+            .map(|patch| {
+                let row = batch.row((patch - first) as usize);
+                let units = self.gatherer.gather(row, &self.channels);
+                (units / f64::from(UNITS_PER_ONE)).as_vec3()
+            })
+            .collect()
+    }
+}
+
+/// The estimate of the error of irradiance that `sources` bring, relative, root mean square by area: half of how
+/// `irradiance`, their solution, changes if gathered from `coarser` irradiances; both W/m^2, one per source.
+///
+/// # Errors
+/// What drawing rows that are not kept says.
+pub fn estimated_error(
+    sources: &Scene,
+    rows: &mut RowCache,
+    irradiance: &[Rgb],
+    coarser: &[Rgb],
+) -> Result<f64, BackendError> {
+    let problem = Problem::new(sources);
+    let coarser = Radiosities::new(&problem, coarser);
+    let (mut change, mut norm) = (0.0, 0.0);
+    let mut next = 0;
+    while next < sources.patch_count() {
+        let batch = rows.batch_with(next)?;
+        let gathered = coarser.gather(batch, next);
+        for (source, gathered) in (next as usize..).zip(gathered) {
+            let area = problem.areas[source];
+            let irradiance = irradiance[source].as_dvec3();
+            change += area * (irradiance - gathered.as_dvec3()).length_squared();
+            norm += area * irradiance.length_squared();
+        }
+        next = batch.patches().end;
+    }
+    Ok(if norm == 0.0 {
+        0.0
+    } else {
+        0.5 * (change / norm).sqrt()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use scene::PatchId;
+
+    use super::*;
+    use crate::cpu::Drawable;
+    use crate::hemicubes::Hemicubes;
+    use crate::settings::FormFactorSettings;
+
+    #[test]
+    fn what_is_prolonged_is_restricted_to_itself() {
+        let cornell = genx::Settings {
+            max_area: Some(0.01),
+            ..genx::Settings::new(genx::Model::Cornell)
+        };
+        let scene = genx::make(&cornell).unwrap().scene;
+        let sources = sources(&scene, 0.08);
+        assert!(sources.patch_count() < scene.patch_count() / 4);
+        let value = |s: u32| Rgb::new(s as f32 / 3.0, 0.1, -1.0);
+        let values: Vec<Rgb> = (0..sources.patch_count()).map(value).collect();
+        let fine = prolonged(&scene, &sources, &values);
+        assert_eq!(fine.len(), scene.patch_count() as usize);
+        assert_eq!(restricted(&scene, &sources, &fine), values);
+        // Of an iteration that was stopped on its way.
+        let some = prolonged(&scene, &sources, &values[..7]);
+        assert_eq!(restricted(&scene, &sources, &some), values[..7]);
+        let drawable = Arc::new(Drawable::new(&sources));
+        let hemicubes = Hemicubes::between(&scene, &drawable, FormFactorSettings::new(2));
+        for (s, value) in (0..).map(PatchId).zip(&values) {
+            let mut patches = hemicubes.receivers_of(s);
+            assert!(patches.all(|p| fine[p as usize] == *value));
+        }
+    }
+}

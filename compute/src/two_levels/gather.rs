@@ -1,0 +1,92 @@
+//! What all patches receive from the sources: one pass.
+
+use scene::{Rgb, Scene, Solution, Unfinished};
+
+use super::{Radiosities, restricted};
+use crate::problem::Problem;
+use crate::row_cache::RowCache;
+use crate::rows::BackendError;
+use crate::solver::{Solver, Step};
+
+/// Each patch gathers once from the sources.
+#[derive(Debug)]
+pub struct GatherOnce {
+    radiosities: Radiosities,
+    /// The sources' solution, as one of the patches.
+    sources: Solution,
+    /// Irradiances that have been gathered, W/m^2, the first patches.
+    irradiance: Vec<Rgb>,
+    patch_count: usize,
+}
+
+impl GatherOnce {
+    /// Gathering from the sources' `solution`, as a solution of the scene; where it was gathering already, it goes
+    /// on.
+    pub fn new(scene: &Scene, sources: &Scene, mut solution: Solution) -> Self {
+        let mut irradiance = Vec::with_capacity(scene.patch_count() as usize);
+        if let Some(marker) = &mut solution.provenance.sources {
+            let unfinished = solution.unfinished.take();
+            if let Some(unfinished) = unfinished.filter(|_| marker.is_gathering) {
+                irradiance.extend(unfinished.irradiance);
+            }
+            marker.is_gathering = true;
+        }
+        let among_sources = restricted(scene, sources, &solution.irradiance);
+        Self {
+            radiosities: Radiosities::new(&Problem::new(sources), &among_sources),
+            sources: solution,
+            irradiance,
+            patch_count: scene.patch_count() as usize,
+        }
+    }
+
+    fn is_done(&self) -> bool {
+        self.irradiance.len() == self.patch_count
+    }
+
+    /// Share of the patches that have gathered, 0 to 1.
+    pub fn share_done(&self) -> f64 {
+        self.irradiance.len() as f64 / self.patch_count as f64
+    }
+}
+
+impl Solver for GatherOnce {
+    fn step(&mut self, rows: &mut RowCache) -> Result<Step, BackendError> {
+        let from = self.irradiance.len() as u32;
+        let batch = rows.batch_with(from)?;
+        self.irradiance.extend(self.radiosities.gather(batch, from));
+        Ok(Step {
+            ends_iteration: self.is_done(),
+            share_done: self.share_done(),
+        })
+    }
+
+    fn snapshot(&self) -> Solution {
+        let mut provenance = self.sources.provenance.clone();
+        if self.is_done() {
+            provenance.sources = None;
+            // What is unshot among sources says nothing of what patches have received from them.
+            return Solution {
+                irradiance: self.irradiance.clone(),
+                provenance,
+                unfinished: None,
+                unshot: None,
+                remainder: None,
+            };
+        }
+        Solution {
+            unfinished: Some(Unfinished {
+                irradiance: self.irradiance.clone(),
+            }),
+            ..self.sources.clone()
+        }
+    }
+
+    fn iterations(&self) -> u64 {
+        self.sources.provenance.iterations
+    }
+
+    fn residual(&self) -> Option<f64> {
+        self.sources.provenance.residuals.last().copied()
+    }
+}
