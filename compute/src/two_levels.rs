@@ -69,6 +69,12 @@ pub fn areas_to_try(scene: &Scene) -> impl Iterator<Item = f64> {
     std::iter::successors(Some(first), |area| Some(area / 4.0))
 }
 
+/// Whether `count` sources are so many more than `coarser` ones that the change between them tells of an error:
+/// where most surfaces are a source each already, quartering the area changes nothing.
+pub fn is_refinement(count: u32, coarser: u32) -> bool {
+    count >= coarser.saturating_mul(5) / 2
+}
+
 /// The mean of each source over its patches; of values of the first patches alone, that of the sources they fill.
 pub fn restricted(scene: &Scene, sources: &Scene, values: &[Rgb]) -> Vec<Rgb> {
     let mut left = values;

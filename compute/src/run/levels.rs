@@ -85,13 +85,18 @@ impl Run<'_> {
         }
         let fresh = start.provenance.clone();
         let mut drawn = RowStatistics::default();
-        // Patches with the irradiances of the sources tried before.
-        let mut coarser: Option<Vec<Rgb>> = None;
+        // How many sources were tried before, and patches with their irradiances.
+        let mut coarser: Option<(u32, Vec<Rgb>)> = None;
         for area in areas {
             let sources = two_levels::sources(scene, area);
             let count = sources.patch_count();
             if count == scene.patch_count() || is_trying && count > scene.patch_count() / 2 {
                 break;
+            }
+            if let Some((before, _)) = coarser
+                && !two_levels::is_refinement(count, before)
+            {
+                continue;
             }
             if gathering.is_some() && is_solved {
                 let levels = TwoLevels {
@@ -102,7 +107,8 @@ impl Run<'_> {
                 };
                 return Ok((Levels::Two(Box::new(levels)), Some(sources)));
             }
-            let mut levels = self.solve_on(scene, &sources, area, start, coarser.as_deref())?;
+            let coarser_irradiance = coarser.as_ref().map(|(_, irradiance)| &irradiance[..]);
+            let mut levels = self.solve_on(scene, &sources, area, start, coarser_irradiance)?;
             levels.statistics = levels.statistics.with_drawing_of(&drawn);
             drawn = levels.statistics;
             let error = levels.report.estimated_error;
@@ -110,7 +116,7 @@ impl Run<'_> {
             if levels.is_stopped() || is_good || !is_trying {
                 return Ok((Levels::Two(Box::new(levels)), Some(sources)));
             }
-            coarser = Some(levels.solution.irradiance.clone());
+            coarser = Some((count, levels.solution.irradiance.clone()));
             start = Solution {
                 provenance: fresh.clone(),
                 unfinished: None,

@@ -1,0 +1,269 @@
+//! Laws of coarse sources and fine receivers.
+
+mod common;
+
+use std::sync::Arc;
+
+use common::{bits, folder, load, save, solve, stdout};
+use compute::certificate::CLOSURE_TOLERANCE;
+use compute::cpu::{CpuRows, Drawable};
+use compute::hemicubes::Hemicubes;
+use compute::lamps::with_lamps;
+use compute::problem::Problem;
+use compute::row_cache::RowCache;
+use compute::settings::{FormFactorSettings, LampViews};
+use compute::solver::{Gather, Solver, Update};
+use compute::two_levels::{self, GatherOnce, OnSources};
+use scene::{Rgb, Scene, Solution};
+
+const RESOLUTION: u32 = 64;
+
+/// Rows of `scene`'s patches among those of `sources`.
+fn rows<'a>(scene: &'a Scene, sources: &'a Scene) -> RowCache<'a> {
+    let drawable = Arc::new(Drawable::new(sources));
+    let settings = FormFactorSettings::new(RESOLUTION);
+    let hemicubes = Arc::new(Hemicubes::between(scene, &drawable, settings));
+    let source = Box::new(CpuRows::new(&hemicubes));
+    let source = with_lamps(&hemicubes, LampViews::Auto, source);
+    RowCache::new(&hemicubes, source, u64::MAX)
+}
+
+fn converged(solver: &mut dyn Solver, rows: &mut RowCache) {
+    while solver.residual().is_none_or(|residual| residual > 1e-6) {
+        solver.step(rows).unwrap();
+    }
+}
+
+fn solver(scene: &Scene, start: Solution) -> Box<dyn Solver> {
+    Box::new(Gather::new(Problem::new(scene), Update::AtOnce, start))
+}
+
+/// The scene's solution from sources of at most `area`, and the estimate of their error against the sources of
+/// `coarser`, a solution of the scene.
+fn two_levels(scene: &Scene, area: f64, coarser: Option<&Solution>) -> (Solution, Solution, f64) {
+    let sources = two_levels::sources(scene, area);
+    let mut among = rows(&sources, &sources);
+    let make = |start| solver(&sources, start);
+    let mut on_sources = OnSources::new(scene, &sources, area, Solution::dark(scene), make);
+    converged(&mut on_sources, &mut among);
+    let solved = on_sources.snapshot();
+    let estimate = coarser.map_or(f64::INFINITY, |coarser| {
+        let coarser = two_levels::restricted(scene, &sources, &coarser.irradiance);
+        let irradiance = on_sources.among_sources().irradiance;
+        two_levels::estimated_error(&sources, &mut among, &irradiance, &coarser).unwrap()
+    });
+    let mut gather = GatherOnce::new(scene, &sources, solved.clone());
+    let mut rows = rows(scene, &sources);
+    while !gather.step(&mut rows).unwrap().ends_iteration {}
+    (gather.snapshot(), solved, estimate)
+}
+
+/// |a - b| / |b|, by area.
+fn difference(scene: &Scene, a: &[Rgb], b: &[Rgb]) -> f64 {
+    let (mut change, mut norm) = (0.0, 0.0);
+    for ((area, a), b) in scene.patch_areas().iter().zip(a).zip(b) {
+        change += area * (*a - *b).as_dvec3().length_squared();
+        norm += area * b.as_dvec3().length_squared();
+    }
+    (change / norm).sqrt()
+}
+
+/// The estimate supposes that the error is in proportion to the sources' size, and its square only makes it too large;
+/// where surfaces cannot be any coarser it is less. Half as much again is allowed for that and for the hemicubes'
+/// own errors, which the sizes do not share.
+const ESTIMATE_TOLERANCE: f64 = 1.5;
+
+#[test]
+fn sources_whose_error_is_estimated_to_be_small_give_the_one_level_solution() {
+    for model in [genx::Model::Cornell, genx::Model::Cube] {
+        let mut settings = genx::Settings::new(model.clone());
+        let max_area = if model == genx::Model::Cornell {
+            0.0005
+        } else {
+            0.25
+        };
+        settings.max_area = Some(max_area);
+        let scene = genx::make(&settings).unwrap().scene;
+        let mut one_level = solver(&scene, Solution::dark(&scene));
+        converged(one_level.as_mut(), &mut rows(&scene, &scene));
+        let one_level = one_level.snapshot();
+        let mut coarser: Option<Solution> = None;
+        let mut is_good = false;
+        let mut before = 0;
+        for area in [128.0, 32.0, 8.0, 2.0].map(|factor| factor * max_area) {
+            let count = two_levels::sources(&scene, area).patch_count();
+            if !two_levels::is_refinement(count, before) {
+                continue;
+            }
+            before = count;
+            let (solution, on_sources, estimate) = two_levels(&scene, area, coarser.as_ref());
+            let error = difference(&scene, &solution.irradiance, &one_level.irradiance);
+            println!("{model:?}, {count} sources: error {error:.5}, estimated {estimate:.5}");
+            assert!(error <= ESTIMATE_TOLERANCE * estimate, "{model:?}");
+            is_good |= estimate <= two_levels::MOST_ERROR;
+            if estimate <= two_levels::MOST_ERROR {
+                assert!(error <= two_levels::MOST_ERROR);
+            }
+            let radiosity = difference(
+                &scene,
+                &solution.radiosity(&scene),
+                &one_level.radiosity(&scene),
+            );
+            assert!(radiosity < error);
+            coarser = Some(on_sources);
+        }
+        assert!(is_good, "{model:?}: no sources were good enough");
+    }
+}
+
+/// All patches of a furnace have the same radiosity, however coarse its sources are.
+#[test]
+fn in_a_furnace_any_sources_are_exact() {
+    let (reflectance, emission) = (0.6, 2.0);
+    let scene = common::furnace(reflectance, emission, 0.01);
+    for area in [0.02, 0.2, f64::INFINITY] {
+        let (solution, ..) = two_levels(&scene, area, None);
+        let exact = emission / (1.0 - reflectance);
+        for radiosity in solution.radiosity(&scene) {
+            // The residual 1e-6 leaves 1e-6 rho / (1 - rho); f32 adds some 1e-7.
+            assert!((radiosity.x / exact - 1.0).abs() < 2e-6, "{radiosity}");
+        }
+    }
+}
+
+/// Runs of some milliseconds each until one is done: stopped among sources, and while patches gather.
+#[test]
+fn stopped_by_time_and_continued_is_as_never_stopped() {
+    let folder = folder();
+    save(folder.path(), "in.rad", &common::colourful_room(0.1));
+    for (solver, memory) in [
+        ("jacobi", "1GiB"),
+        ("gauss-seidel", "0B"),
+        ("shooting", "1GiB"),
+    ] {
+        let settings = [
+            &["64", "--source-area", "0.4", "--memory", memory][..],
+            &["--solver", solver, "--tolerance", "1e-2"],
+        ]
+        .concat();
+        solve(
+            folder.path(),
+            &[&["in.rad", "whole.rad"], &settings[..]].concat(),
+        );
+        let whole = load(folder.path(), "whole.rad");
+        assert_eq!(whole.provenance.sources, None);
+        std::fs::copy(folder.path().join("in.rad"), folder.path().join("part.rad")).unwrap();
+        let mut limit_ms = 6.0;
+        let (mut runs, mut among_sources, mut gathering) = (0, 0, 0);
+        loop {
+            let before = std::fs::read(folder.path().join("part.rad")).unwrap();
+            let limit = format!("{limit_ms}ms");
+            let threads = ["1", "2", "5"][runs % 3];
+            let limits = ["--time-limit", &limit, "--threads", threads];
+            let arguments = [&["part.rad", "part.rad"], &settings[..], &limits].concat();
+            let output = solve(folder.path(), &arguments);
+            runs += 1;
+            if !stdout(&output).contains("stopped by --time-limit") {
+                break;
+            }
+            if let Some(sources) = load(folder.path(), "part.rad").provenance.sources {
+                assert_eq!(sources.max_area.to_bits(), 0.4_f64.to_bits());
+                among_sources += u32::from(!sources.is_gathering);
+                gathering += u32::from(sources.is_gathering);
+            }
+            if std::fs::read(folder.path().join("part.rad")).unwrap() == before {
+                limit_ms *= 1.5;
+            }
+            assert!(runs < 1000, "{limit_ms}");
+        }
+        println!("{solver}: {among_sources} runs stopped among sources, {gathering} in gathering");
+        assert!(among_sources > 0 && gathering > 0, "{solver}");
+        let parts = load(folder.path(), "part.rad");
+        assert!(
+            bits(&parts.irradiance) == bits(&whole.irradiance),
+            "{solver}"
+        );
+        assert_eq!(parts.provenance, whole.provenance);
+    }
+}
+
+#[test]
+fn a_result_of_two_levels_is_not_solved_again() {
+    let folder = folder();
+    save(folder.path(), "in.rad", &common::colourful_room(0.1));
+    let arguments = ["out.rad", "out.rad", "32", "--source-area", "0.4"];
+    solve(folder.path(), &[&["in.rad"], &arguments[1..]].concat());
+    let first = load(folder.path(), "out.rad");
+    let output = solve(folder.path(), &arguments);
+    assert!(!stdout(&output).contains("hemicubes"), "{output:?}");
+    assert!(load(folder.path(), "out.rad") == first);
+    // A lower tolerance goes on from it.
+    solve(
+        folder.path(),
+        &[&arguments[..], &["--tolerance", "1e-7"]].concat(),
+    );
+    let second = load(folder.path(), "out.rad").provenance;
+    assert!(second.iterations > first.provenance.iterations);
+    assert_eq!(second.sources, None);
+}
+
+#[test]
+fn form_factors_are_those_between_patches() {
+    let folder = folder();
+    save(folder.path(), "in.rad", &common::colourful_room(0.5));
+    let files = ["one.csv", "two.csv"].map(|name| folder.path().join(name));
+    for (area, file) in ["patches", "2"].into_iter().zip(&files) {
+        let file = file.to_str().unwrap();
+        let arguments = [
+            "in.rad",
+            "out.rad",
+            "32",
+            "--source-area",
+            area,
+            "--form-factors",
+            file,
+        ];
+        solve(folder.path(), &arguments);
+    }
+    let [one, two] = files.map(|file| std::fs::read(file).unwrap());
+    assert!(one == two && !one.is_empty());
+}
+
+#[test]
+fn the_report_and_the_summary_tell_of_coarse_sources() {
+    let folder = folder();
+    let scene = common::colourful_room(0.5);
+    save(folder.path(), "in.rad", &scene);
+    let run = |area: &str| {
+        let arguments = [
+            "in.rad",
+            "out.rad",
+            "32",
+            "--source-area",
+            area,
+            "--report",
+            "r.json",
+        ];
+        let output = solve(folder.path(), &arguments);
+        let report = std::fs::read(folder.path().join("r.json")).unwrap();
+        let report: serde_json::Value = serde_json::from_slice(&report).unwrap();
+        (stdout(&output), report)
+    };
+    let (said, report) = run("inf");
+    assert_eq!(report["sources"]["count"], scene.surfaces().len());
+    assert_eq!(report["sources"]["gathered_share"], 1.0);
+    assert_eq!(report["settings"]["source_area"], "inf");
+    assert!(
+        said.contains(&format!("{} of at most inf m^2", scene.surfaces().len())),
+        "{said}"
+    );
+    // All patches and all sources have drawn, and rows sum to 1.
+    assert!(report["closure"]["min"].as_f64().unwrap() > 1.0 - CLOSURE_TOLERANCE);
+    for one_level in ["auto", "patches", "1e-9"] {
+        let (said, report) = run(one_level);
+        assert!(
+            report["sources"].is_null() && !said.contains("sources"),
+            "{said}"
+        );
+    }
+}
