@@ -63,7 +63,7 @@ struct Arguments {
     #[arg(long, default_value = "auto", value_parser = backend_parser())]
     backend: BackendChoice,
     /// How to solve; an iteration of shooting is one shot
-    #[arg(long, default_value = "gauss-seidel", value_parser = choice(&[
+    #[arg(long, default_value = "jacobi", value_parser = choice(&[
         ("jacobi", SolverChoice::Jacobi), ("gauss-seidel", SolverChoice::GaussSeidel),
         ("shooting", SolverChoice::Shooting)]))]
     solver: SolverChoice,

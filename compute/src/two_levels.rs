@@ -182,11 +182,11 @@ mod tests {
     #[test]
     fn what_is_prolonged_is_restricted_to_itself() {
         let cornell = genx::Settings {
-            max_area: Some(0.01),
+            max_area: Some(0.0005),
             ..genx::Settings::new(genx::Model::Cornell)
         };
         let scene = genx::make(&cornell).unwrap().scene;
-        let sources = sources(&scene, 0.08);
+        let sources = sources(&scene, 0.004);
         assert!(sources.patch_count() < scene.patch_count() / 4);
         let value = |s: u32| Rgb::new(s as f32 / 3.0, 0.1, -1.0);
         let values: Vec<Rgb> = (0..sources.patch_count()).map(value).collect();

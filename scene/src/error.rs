@@ -58,6 +58,8 @@ pub enum SceneError {
         "area threshold {value} m^2 must be a number above 0, or inf to keep each triangle as one patch"
     )]
     AreaThreshold { value: f64 },
+    #[error("the solution's sources have {value} m^2 at most; it must be a finite number above 0")]
+    SourceArea { value: f64 },
     #[error("the solution has {values} irradiances, the scene has {patches} patches")]
     SolutionLength { values: usize, patches: u32 },
     #[error(

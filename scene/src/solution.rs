@@ -79,9 +79,16 @@ impl Solution {
         }
     }
 
-    /// Checks the lengths, that every value is finite, and that irradiances are at least 0.
+    /// Checks the lengths, that a source's area is above 0, that every value is finite, and that irradiances are at least 0.
     pub fn validate(&self, scene: &Scene) -> Result<(), SceneError> {
         let patches = scene.patch_count();
+        if let Some(sources) = self.provenance.sources
+            && !(sources.max_area > 0.0 && sources.max_area.is_finite())
+        {
+            return Err(SceneError::SourceArea {
+                value: sources.max_area,
+            });
+        }
         let unfinished = self.unfinished.as_ref().map(|u| &u.irradiance);
         for (values, complete, least) in [
             (Some(&self.irradiance), true, 0.0),

@@ -8,7 +8,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use scene::file::{from_bytes, load, save, to_bytes};
 use scene::{
-    Material, MaterialId, ObjectId, Provenance, Rgb, Scene, Solution, Surface, Unfinished,
+    Material, MaterialId, ObjectId, Provenance, Rgb, Scene, Solution, Sources, Surface, Unfinished,
 };
 
 /// Any f32 of a range of bit patterns: subnormals and extremes are as likely as the rest.
@@ -74,6 +74,7 @@ fn any_solution(scene: &Scene) -> impl Strategy<Value = Solution> + use<> {
         proptest::option::of(vec(unshot(), patches)),
         proptest::option::of(vec(unshot(), patches)),
         any::<(String, String, u64)>(),
+        proptest::option::of((f64::MIN_POSITIVE..1e300, any::<bool>())),
         vec(-1e300_f64..1e300, 0..5),
     )
         .prop_map(
@@ -83,6 +84,7 @@ fn any_solution(scene: &Scene) -> impl Strategy<Value = Solution> + use<> {
                 unshot,
                 remainder,
                 (solver, settings, iterations),
+                sources,
                 residuals,
             )| {
                 Solution {
@@ -92,6 +94,10 @@ fn any_solution(scene: &Scene) -> impl Strategy<Value = Solution> + use<> {
                         settings,
                         iterations,
                         residuals,
+                        sources: sources.map(|(max_area, is_gathering)| Sources {
+                            max_area,
+                            is_gathering,
+                        }),
                     },
                     unfinished: unfinished.map(|irradiance| Unfinished { irradiance }),
                     unshot,

@@ -70,7 +70,8 @@ impl Run<'_> {
         let areas: Box<dyn Iterator<Item = f64>> = match self.settings.source_area {
             _ if is_solved && before.is_none() => return Ok((Levels::One(start), None)),
             SourceArea::Patches => return Ok((Levels::One(start), None)),
-            SourceArea::AtMost(area) => Box::new(std::iter::once(area)),
+            // No source is larger than all, and a file holds no infinity.
+            SourceArea::AtMost(area) => Box::new(std::iter::once(area.min(scene.area()))),
             SourceArea::Auto => match gathering {
                 Some(gathering) => Box::new(std::iter::once(gathering.max_area)),
                 None if scene.patch_count() <= two_levels::MOST_ON_ONE_LEVEL => {
@@ -123,7 +124,9 @@ impl Run<'_> {
                 ..levels.solution
             };
         }
-        start.provenance.sources = None;
+        if start.provenance.sources.take().is_some() {
+            start.unfinished = None;
+        }
         Ok((Levels::One(start), None))
     }
 

@@ -56,6 +56,10 @@ pub fn small_solution(scene: &Scene) -> Solution {
             settings: "resolution 100".into(),
             iterations: 2,
             residuals: vec![0.1, 1.0 / 3.0],
+            sources: Some(scene::Sources {
+                max_area: 0.1,
+                is_gathering: true,
+            }),
         },
         unfinished: Some(scene::Unfinished {
             irradiance: values(2.0)[..3].to_vec(),
