@@ -7,6 +7,7 @@ use scene::{Scene, SurfaceId};
 
 use super::adapter::Gpu;
 use super::atlas::{AtlasLayout, TILES_PER_HEMICUBE};
+use super::readback::Readback;
 use super::structs::{self, DrawSettings, Face, Surface};
 use crate::cpu;
 use crate::cpu::item_buffer::{BACK_FACE, NOTHING};
@@ -245,8 +246,7 @@ impl AtlasDrawer {
         let resolution = self.layout.resolution;
         let row_bytes = (4 * resolution).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let bytes = u64::from(row_bytes) * u64::from(resolution);
-        let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ;
-        let buffer = gpu.buffer("item buffer readback", bytes, usage);
+        let mut readback = Readback::new(gpu, "item buffer readback", bytes);
         let mut encoder = gpu.encoder();
         encoder.copy_texture_to_buffer(
             wgpu::TexelCopyTextureInfo {
@@ -254,7 +254,7 @@ impl AtlasDrawer {
                 ..self.colour.as_image_copy()
             },
             wgpu::TexelCopyBufferInfo {
-                buffer: &buffer,
+                buffer: readback.buffer(),
                 layout: wgpu::TexelCopyBufferLayout {
                     offset: 0,
                     bytes_per_row: Some(row_bytes),
@@ -267,8 +267,10 @@ impl AtlasDrawer {
                 depth_or_array_layers: 1,
             },
         );
-        gpu.run(encoder)?;
-        gpu.read(&buffer, bytes, |bytes| {
+        let submission = gpu.submit(encoder)?;
+        readback.ask(bytes);
+        gpu.wait(submission)?;
+        readback.take(gpu, |bytes| {
             bytes
                 .chunks_exact(row_bytes as usize)
                 .flat_map(|row| row[..4 * resolution as usize].chunks_exact(4))

@@ -14,7 +14,8 @@
 //! in, so that the same code serves thousands of 100 x 100 hemicubes in a submission, one of
 //! 4096 x 4096 in several, and a row of a thousand hemicubes.
 //!
-//! Submissions are timed, and their size follows, so that none comes near a driver's watchdog.
+//! Submissions are timed, and their size follows, so that none comes near a driver's watchdog ([`pace`]).
+//! While the device draws one, the host prepares the next and reads what the one before has given.
 //! No wgpu error panics: see [`adapter`].
 //!
 //! # Differences
@@ -38,6 +39,8 @@ pub mod adapter;
 pub mod atlas;
 pub mod item_buffer;
 pub mod merger;
+pub mod pace;
+pub mod readback;
 pub mod rows;
 pub mod structs;
 
