@@ -79,6 +79,7 @@ impl Gpu {
             label: Some("radiosity"),
             // All it offers: buffers are sized by a budget of our own, within these limits.
             required_limits: adapter.limits(),
+            required_features: adapter.features() & wgpu::Features::CLIP_DISTANCES,
             ..wgpu::DeviceDescriptor::default()
         }))
         .map_err(|error| unsuitable(format!("the device could not be opened ({error})")))?;

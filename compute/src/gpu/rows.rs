@@ -12,6 +12,8 @@ use super::atlas::TILES_PER_HEMICUBE;
 use super::item_buffer::AtlasDrawer;
 use super::merger::{FinishedBatch, Merger, SLOTS};
 use super::pace::Pace;
+use super::race;
+use super::raster::Raster;
 use super::structs::Tile;
 use crate::hemicube::{self, Frame};
 use crate::hemicubes::Hemicubes;
@@ -37,6 +39,7 @@ pub struct GpuRows<'a> {
     hemicubes: Arc<Hemicubes<'a>>,
     drawer: AtlasDrawer,
     merger: Merger,
+    raster: Raster,
     pace: Pace,
     /// What the merger will be told of the tiles added to the drawer.
     tiles: Vec<Tile>,
@@ -49,23 +52,42 @@ pub struct GpuRows<'a> {
 }
 
 impl<'a> GpuRows<'a> {
-    /// A back end on the best adapter that the choice accepts.
+    /// A back end on the best adapter that the choice accepts, with the raster that is faster there.
     pub fn new(
         hemicubes: &Arc<Hemicubes<'a>>,
         choice: AdapterChoice,
     ) -> Result<Self, BackendError> {
+        Self::with_raster(hemicubes, choice, None)
+    }
+
+    /// The same with a raster of one's own choice, where one is given.
+    pub fn with_raster(
+        hemicubes: &Arc<Hemicubes<'a>>,
+        choice: AdapterChoice,
+        raster: Option<Raster>,
+    ) -> Result<Self, BackendError> {
         let gpu = Gpu::open(choice)?;
-        let drawer = AtlasDrawer::new(&gpu, hemicubes.scene(), hemicubes.settings().resolution)?;
+        let mut drawer =
+            AtlasDrawer::new(&gpu, hemicubes.scene(), hemicubes.settings().resolution)?;
         let merger = Merger::new(&gpu, drawer.view(), drawer.layout(), hemicubes)?;
         let pace = Pace::new(drawer.layout().tiles());
+        let raster = match raster {
+            None => race::fastest(&gpu, &mut drawer, hemicubes),
+            Some(raster) => Ok(raster),
+        };
         // What goes wrong up to here, such as memory running out, speaks against the adapter.
         if let Some(what) = gpu.failure() {
             return Err(gpu.unsuitable(format!("it cannot be set up ({what})")));
+        }
+        let raster = raster?;
+        if !Raster::offered_by(&gpu).contains(&raster) {
+            return Err(gpu.unsuitable(format!("it has no {}", raster.describe())));
         }
         Ok(Self {
             hemicubes: Arc::clone(hemicubes),
             drawer,
             merger,
+            raster,
             pace,
             tiles: Vec::new(),
             in_flight: VecDeque::new(),
@@ -96,7 +118,7 @@ impl<'a> GpuRows<'a> {
             let origin = layout.origin(number, tile);
             self.drawer.add(scene, own, frame, tile, origin);
             let mut encoder = self.gpu.encoder();
-            self.drawer.draw(&self.gpu, &mut encoder);
+            self.drawer.draw(&self.gpu, &mut encoder, self.raster);
             self.gpu.run(encoder)?;
             ids.extend(self.drawer.read(&self.gpu, origin)?);
         }
@@ -126,7 +148,7 @@ impl<'a> GpuRows<'a> {
     /// Has the tiles collected so far drawn and summed; they complete so many rows, or none yet.
     fn submit(&mut self, row_count: u32) -> Result<(), BackendError> {
         let mut encoder = self.gpu.encoder();
-        self.drawer.draw(&self.gpu, &mut encoder);
+        self.drawer.draw(&self.gpu, &mut encoder, self.raster);
         self.merger.add(&self.gpu, &mut encoder, &self.tiles);
         let batch = (row_count > 0).then(|| self.merger.finish(&self.gpu, &mut encoder, row_count));
         let submitted = Instant::now();
@@ -197,7 +219,7 @@ impl RowSource for GpuRows<'_> {
     }
 
     fn describe(&self) -> String {
-        format!("gpu, {}", self.adapter())
+        format!("gpu, {}, {}", self.adapter(), self.raster.describe())
     }
 }
 
