@@ -194,6 +194,13 @@ fn project(surface: Surface, face_index: u32) -> Projected {
     return seen;
 }
 
+// No pixel is above its margins.
+fn never_seen() -> Projected {
+    var nothing: Projected;
+    nothing.margins = vec3f(-1.0);
+    return nothing;
+}
+
 var<workgroup> start_of_face: u32;
 
 // A workgroup for each face. Its surfaces keep their order, in which the first of those that are equally near
@@ -218,11 +225,16 @@ fn project_surfaces(
         start_of_face = first;
     }
     workgroupBarrier();
-    var place = start_of_face + sum - count;
+    let place_end = start_of_face + sum;
+    var place = place_end - count;
     for (var index = start; index < end; index++) {
-        if is_seen(index, face) {
+        if place < place_end && is_seen(index, face) {
             projected[place] = project(surfaces[index], workgroup.x);
             place += 1u;
         }
+    }
+    // Only if a compiler made the two loops round differently, and a surface is as good as edge-on.
+    for (; place < place_end; place++) {
+        projected[place] = never_seen();
     }
 }
