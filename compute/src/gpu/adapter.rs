@@ -6,7 +6,7 @@
 //! second is avoided by never dropping such a queue.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use wgpu::util::DeviceExt;
@@ -79,6 +79,7 @@ impl Gpu {
             label: Some("radiosity"),
             // All it offers: buffers are sized by a budget of our own, within these limits.
             required_limits: adapter.limits(),
+            required_features: adapter.features() & wgpu::Features::CLIP_DISTANCES,
             ..wgpu::DeviceDescriptor::default()
         }))
         .map_err(|error| unsuitable(format!("the device could not be opened ({error})")))?;
@@ -127,20 +128,28 @@ impl Gpu {
         }
     }
 
-    /// Submits commands and waits until they have been carried out.
-    pub fn run(&self, encoder: wgpu::CommandEncoder) -> Result<(), BackendError> {
+    /// Submits commands, to be carried out after all that was submitted before.
+    pub fn submit(
+        &self,
+        encoder: wgpu::CommandEncoder,
+    ) -> Result<wgpu::SubmissionIndex, BackendError> {
         let commands = encoder.finish();
         self.check()?;
-        self.queue.submit([commands]);
-        self.wait()
+        Ok(self.queue.submit([commands]))
     }
 
-    /// Waits until all that was submitted has been carried out.
-    fn wait(&self) -> Result<(), BackendError> {
+    /// Submits commands and waits until they have been carried out.
+    pub fn run(&self, encoder: wgpu::CommandEncoder) -> Result<(), BackendError> {
+        let submission = self.submit(encoder)?;
+        self.wait(submission)
+    }
+
+    /// Waits until a submission has been carried out, and all before it.
+    pub fn wait(&self, submission: wgpu::SubmissionIndex) -> Result<(), BackendError> {
         self.check()?;
         let poll = || {
             self.device.poll(wgpu::PollType::Wait {
-                submission_index: None,
+                submission_index: Some(submission),
                 timeout: Some(TIMEOUT),
             })
         };
@@ -150,36 +159,6 @@ impl Gpu {
             Ok(Err(error)) => Err(self.lost(&error.to_string())),
             Err(_) => Err(self.lost("waiting for it failed")),
         }
-    }
-
-    /// Reads the first `bytes` of a mappable buffer.
-    pub fn read<T>(
-        &self,
-        buffer: &wgpu::Buffer,
-        bytes: u64,
-        take: impl FnOnce(&[u8]) -> T,
-    ) -> Result<T, BackendError> {
-        self.check()?;
-        let slice = buffer.slice(..bytes);
-        let (sender, receiver) = mpsc::channel();
-        slice.map_async(wgpu::MapMode::Read, move |result| {
-            // The receiver is gone only when the caller has given up.
-            let _ = sender.send(result);
-        });
-        self.wait()?;
-        let unread = |what: &str| self.lost(&format!("its memory could not be read: {what}"));
-        match receiver.try_recv() {
-            Ok(Ok(())) => {}
-            Ok(Err(error)) => return Err(unread(&error.to_string())),
-            Err(error) => return Err(unread(&error.to_string())),
-        }
-        let view = slice
-            .get_mapped_range()
-            .map_err(|error| unread(&error.to_string()))?;
-        let taken = take(&view);
-        drop(view);
-        buffer.unmap();
-        Ok(taken)
     }
 
     /// Gives the device up. The first reason ever noted is the one told: it is the cause of the
@@ -208,7 +187,7 @@ impl Gpu {
         })
     }
 
-    /// A new buffer that shaders read and nothing ever writes.
+    /// A new buffer that holds these values.
     pub fn constant_buffer<T: bytemuck::NoUninit>(
         &self,
         label: &str,

@@ -8,8 +8,9 @@ pub const TILES_PER_HEMICUBE: usize = 3;
 const ATLAS_BUDGET: u64 = 64 << 20;
 /// The longest side of an atlas, pixels, even where an adapter allows more.
 const MAX_SIDE: u32 = 8192;
-/// The most tiles in an atlas: what one dispatch can count in one dimension.
-const MAX_TILES: u32 = 65_535;
+/// The most tiles in an atlas: their faces, two in most of them, are what one dispatch can count in one
+/// dimension.
+const MAX_TILES: u32 = 65_535 / 2;
 
 /// Square tiles in rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

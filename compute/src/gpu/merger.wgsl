@@ -1,5 +1,6 @@
 // Sums delta form factors by patch and picks out the sums that are not zero, in patch order. Twin of
-// the Merger in cpu/rows.rs. Constants are put in front by structs.rs.
+// the Merger in cpu/rows.rs. Constants and inclusive_sum.wgsl are put in front by
+// structs.rs.
 
 struct Tile {
     origin_x: u32,
@@ -88,24 +89,6 @@ fn add_pixels(
         sum += delta_form_factors[tile.first_factor + pixel % tile.factor_period];
     }
     add_run(tile.row, slot, sum);
-}
-
-var<workgroup> partial_sums: array<u32, WORKGROUP_SIZE>;
-
-// Sum of the values of all threads up to and including this one.
-fn inclusive_sum(thread: u32, value: u32) -> u32 {
-    partial_sums[thread] = value;
-    workgroupBarrier();
-    for (var step = 1u; step < WORKGROUP_SIZE; step *= 2u) {
-        var before = 0u;
-        if thread >= step {
-            before = partial_sums[thread - step];
-        }
-        workgroupBarrier();
-        partial_sums[thread] += before;
-        workgroupBarrier();
-    }
-    return partial_sums[thread];
 }
 
 // The word of bits that a thread cares for, among those of its row.

@@ -8,19 +8,25 @@
 //!
 //! # Practice
 //! The picture of a hemicube (width R, height 3R) is cut into three square *tiles*: the top face,
-//! then two half faces each. Tiles of many hemicubes fill one atlas, are drawn by one render pass
-//! ([`item_buffer`]), and are then summed by patch on the device ([`merger`]); only the non-zero
+//! then two half faces each. Tiles of many hemicubes fill one atlas. A submission is few commands however many
+//! tiles it has ([`item_buffer`]): `projection.wgsl` finds which surfaces come into which face, and all that
+//! is the same for their pixels; then the fixed pipeline draws all of them in one indirect draw, or a compute
+//! shader does ([`raster`]), whichever was faster in a short race. The pixels are then summed by patch on
+//! the device ([`merger`]); only the non-zero
 //! form factors are read back ([`rows`]). Tiles, not hemicubes, are what a submission is measured
 //! in, so that the same code serves thousands of 100 x 100 hemicubes in a submission, one of
 //! 4096 x 4096 in several, and a row of a thousand hemicubes.
 //!
-//! Submissions are timed, and their size follows, so that none comes near a driver's watchdog.
+//! Submissions are timed, and their size follows, so that none comes near a driver's watchdog ([`pace`]).
+//! While the device draws one, the host prepares the next and reads what the one before has given.
 //! No wgpu error panics: see [`adapter`].
 //!
 //! # Differences
 //! The cpu sets surfaces up in f64; here it is f32, relative to the eye and in the scene's axes. Where
 //! a pixel's ray passes an edge (of a surface or of a patch) within rounding, the two may see different
-//! patches. What lies below the horizon is left out by the host, in f64, with the cpu's tolerance.
+//! patches. What lies below the horizon is left out by the host, in f64, with the cpu's tolerance ([`horizon`]);
+//! what lies beside a face, by the device, where it is certain. The cpu draws coplanar neighbours as a few
+//! convex pieces and asks afterwards which surface a pixel sees; here surfaces are drawn one by one.
 //!
 //! GPUs round corners to some 1/256 of a pixel, and what touches without sharing corners comes apart. So
 //! surfaces are rasterised a little too large ([`structs::RASTERISED_OUTSET`]), and each pixel finds out
@@ -36,10 +42,16 @@
 
 pub mod adapter;
 pub mod atlas;
+pub mod horizon;
 pub mod item_buffer;
 pub mod merger;
+pub mod pace;
+mod race;
+pub mod raster;
+pub mod readback;
 pub mod rows;
 pub mod structs;
 
 pub use adapter::AdapterChoice;
+pub use raster::Raster;
 pub use rows::GpuRows;

@@ -1,19 +1,37 @@
 //! Form factor rows from hemicubes drawn on the GPU. Twin of [`crate::cpu::CpuRows`].
 
+use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use scene::PatchId;
 
 use super::adapter::{AdapterChoice, Gpu};
 use super::atlas::TILES_PER_HEMICUBE;
 use super::item_buffer::AtlasDrawer;
-use super::merger::Merger;
+use super::merger::{FinishedBatch, Merger, SLOTS};
+use super::pace::Pace;
+use super::race;
+use super::raster::Raster;
 use super::structs::Tile;
 use crate::hemicube::{self, Frame};
 use crate::hemicubes::Hemicubes;
 use crate::rows::{BackendError, RowBatch, RowSource};
+
+/// Submissions in a batch that is asked for, so that most are prepared while another is drawn. Few enough
+/// that an interrupt is answered soon.
+const SUBMISSIONS_PER_BATCH: u32 = 4;
+
+/// What the device was given to do.
+#[derive(Debug)]
+struct Submission {
+    index: wgpu::SubmissionIndex,
+    submitted: Instant,
+    tiles: u32,
+    /// The rows that it completes.
+    batch: Option<FinishedBatch>,
+}
 
 /// The gpu back end.
 #[derive(Debug)]
@@ -21,33 +39,59 @@ pub struct GpuRows<'a> {
     hemicubes: Arc<Hemicubes<'a>>,
     drawer: AtlasDrawer,
     merger: Merger,
+    raster: Raster,
     pace: Pace,
     /// What the merger will be told of the tiles added to the drawer.
     tiles: Vec<Tile>,
+    /// What the device has to do, the oldest first.
+    in_flight: VecDeque<Submission>,
+    /// The rows read so far.
+    rows: RowBatch,
     // Last, so that it outlives what was made with it.
     gpu: Gpu,
 }
 
 impl<'a> GpuRows<'a> {
-    /// A back end on the best adapter that the choice accepts.
+    /// A back end on the best adapter that the choice accepts, with the raster that is faster there.
     pub fn new(
         hemicubes: &Arc<Hemicubes<'a>>,
         choice: AdapterChoice,
     ) -> Result<Self, BackendError> {
+        Self::with_raster(hemicubes, choice, None)
+    }
+
+    /// The same with a raster of one's own choice, where one is given.
+    pub fn with_raster(
+        hemicubes: &Arc<Hemicubes<'a>>,
+        choice: AdapterChoice,
+        raster: Option<Raster>,
+    ) -> Result<Self, BackendError> {
         let gpu = Gpu::open(choice)?;
-        let drawer = AtlasDrawer::new(&gpu, hemicubes.sources(), hemicubes.settings().resolution)?;
+        let mut drawer =
+            AtlasDrawer::new(&gpu, hemicubes.sources(), hemicubes.settings().resolution)?;
         let merger = Merger::new(&gpu, drawer.view(), drawer.layout(), hemicubes)?;
         let pace = Pace::new(drawer.layout().tiles());
+        let raster = match raster {
+            None => race::fastest(&gpu, &mut drawer, hemicubes),
+            Some(raster) => Ok(raster),
+        };
         // What goes wrong up to here, such as memory running out, speaks against the adapter.
         if let Some(what) = gpu.failure() {
             return Err(gpu.unsuitable(format!("it cannot be set up ({what})")));
+        }
+        let raster = raster?;
+        if !Raster::offered_by(&gpu).contains(&raster) {
+            return Err(gpu.unsuitable(format!("it has no {}", raster.describe())));
         }
         Ok(Self {
             hemicubes: Arc::clone(hemicubes),
             drawer,
             merger,
+            raster,
             pace,
             tiles: Vec::new(),
+            in_flight: VecDeque::new(),
+            rows: RowBatch::new(0),
             gpu,
         })
     }
@@ -74,123 +118,108 @@ impl<'a> GpuRows<'a> {
             let origin = layout.origin(number, tile);
             self.drawer.add(scene, own, frame, tile, origin);
             let mut encoder = self.gpu.encoder();
-            self.drawer.draw(&self.gpu, &mut encoder);
+            self.drawer.draw(&self.gpu, &mut encoder, self.raster);
             self.gpu.run(encoder)?;
             ids.extend(self.drawer.read(&self.gpu, origin)?);
         }
         Ok(ids)
     }
 
-    /// Rows of at most as many patches as the merger takes in a batch.
-    fn draw_batch(&mut self, patches: Range<u32>) -> Result<RowBatch, BackendError> {
-        self.merger.start(&self.gpu, patches.len() as u32);
-        for (row, patch) in (0..).zip(patches.clone()) {
-            let patch = PatchId(patch);
-            let scene = self.hemicubes.sources();
-            let own = self.hemicubes.surface_of(patch);
-            let frames = self.hemicubes.frames(patch);
-            for (number, frame) in (self.hemicubes.first(patch)..).zip(&frames) {
-                for tile in 0..TILES_PER_HEMICUBE {
-                    if self.tiles.len() as u32 >= self.pace.tiles
-                        || !self.drawer.has_room(scene, own)
-                    {
-                        self.submit(|_, _| {})?;
-                    }
-                    let origin = self.drawer.layout().origin(number, tile);
-                    self.drawer.add(scene, own, frame, tile, origin);
-                    let tile = self.merger.tile(origin, row, tile, frames.len() as u32);
-                    self.tiles.push(tile);
+    /// Adds the tiles of a patch's hemicubes to the row of that number, and submits what is full.
+    fn add_row(&mut self, patch: PatchId, row: u32) -> Result<(), BackendError> {
+        let scene = self.hemicubes.sources();
+        let own = self.hemicubes.surface_of(patch);
+        let frames = self.hemicubes.frames(patch);
+        for (number, frame) in (self.hemicubes.first(patch)..).zip(&frames) {
+            for tile in 0..TILES_PER_HEMICUBE {
+                if self.tiles.len() as u32 >= self.pace.tiles() || !self.drawer.has_room(scene, own)
+                {
+                    self.submit(0)?;
                 }
+                let origin = self.drawer.layout().origin(number, tile);
+                self.drawer.add(scene, own, frame, tile, origin);
+                let tile = self.merger.tile(origin, row, tile, frames.len() as u32);
+                self.tiles.push(tile);
             }
         }
-        self.submit(Merger::finish)?;
-        self.merger.read(&self.gpu, patches)
+        Ok(())
     }
 
-    /// Draws and sums the tiles collected so far, and does what the merger is to do then.
-    fn submit(
-        &mut self,
-        then: impl FnOnce(&Merger, &mut wgpu::CommandEncoder),
-    ) -> Result<(), BackendError> {
-        let start = Instant::now();
+    /// Has the tiles collected so far drawn and summed; they complete so many rows, or none yet.
+    fn submit(&mut self, row_count: u32) -> Result<(), BackendError> {
         let mut encoder = self.gpu.encoder();
-        self.drawer.draw(&self.gpu, &mut encoder);
+        self.drawer.draw(&self.gpu, &mut encoder, self.raster);
         self.merger.add(&self.gpu, &mut encoder, &self.tiles);
-        then(&self.merger, &mut encoder);
-        self.gpu.run(encoder)?;
-        self.pace.learn(self.tiles.len() as u32, start.elapsed());
+        let batch = (row_count > 0).then(|| self.merger.finish(&self.gpu, &mut encoder, row_count));
+        let submitted = Instant::now();
+        let index = self.gpu.submit(encoder)?;
+        if let Some(batch) = &batch {
+            self.merger.ask(batch);
+        }
+        self.in_flight.push_back(Submission {
+            index,
+            submitted,
+            tiles: self.tiles.len() as u32,
+            batch,
+        });
         self.tiles.clear();
+        while self.in_flight.len() >= SLOTS {
+            self.collect()?;
+        }
         Ok(())
+    }
+
+    /// Waits for the oldest submission, and reads the rows that it completes.
+    fn collect(&mut self) -> Result<(), BackendError> {
+        let Some(submission) = self.in_flight.pop_front() else {
+            return Ok(());
+        };
+        self.gpu.wait(submission.index)?;
+        self.pace.ended(submission.tiles, submission.submitted);
+        match submission.batch {
+            Some(batch) => self.merger.read(&self.gpu, &batch, &mut self.rows),
+            None => Ok(()),
+        }
     }
 }
 
 impl RowSource for GpuRows<'_> {
     fn draw_rows(&mut self, patches: Range<u32>) -> Result<RowBatch, BackendError> {
         self.gpu.check()?;
-        let mut rows = RowBatch::new(patches.start);
-        let mut start = patches.start;
-        while start < patches.end {
-            let end = patches
-                .end
-                .min(start.saturating_add(self.merger.max_rows()));
-            let batch = self.draw_batch(start..end)?;
-            if end - start == patches.len() as u32 {
-                return Ok(batch);
+        self.rows = RowBatch::new(patches.start);
+        let mut row = 0;
+        for patch in patches.clone() {
+            self.add_row(PatchId(patch), row)?;
+            row += 1;
+            let next = PatchId(patch + 1);
+            let is_last = next.0 == patches.end;
+            let fits = || {
+                let tiles = self.hemicubes.count(next) * TILES_PER_HEMICUBE as u32;
+                self.tiles.len() as u32 + tiles <= self.pace.tiles()
+            };
+            if is_last || row == self.merger.max_rows() || !fits() {
+                self.submit(row)?;
+                row = 0;
             }
-            rows.append(&batch);
-            start = end;
         }
-        Ok(rows)
+        while !self.in_flight.is_empty() {
+            self.collect()?;
+        }
+        Ok(std::mem::replace(&mut self.rows, RowBatch::new(0)))
     }
 
-    /// A submission's worth of hemicubes; it grows from small as the adapter turns out to be fast.
+    /// Several submissions' worth of hemicubes, so that the device seldom waits for the next; it grows
+    /// from small as the adapter turns out to be fast.
     fn preferred_batch(&self) -> u32 {
         let patches = u64::from(self.hemicubes.receivers().patch_count().max(1));
         let hemicubes_per_row = self.hemicubes.total().div_ceil(patches) as u32;
-        (self.pace.tiles / (TILES_PER_HEMICUBE as u32 * hemicubes_per_row))
-            .clamp(1, self.merger.max_rows())
+        let per_submission = (self.pace.tiles() / (TILES_PER_HEMICUBE as u32 * hemicubes_per_row))
+            .clamp(1, self.merger.max_rows());
+        SUBMISSIONS_PER_BATCH * per_submission
     }
 
     fn describe(&self) -> String {
-        format!("gpu, {}", self.adapter())
-    }
-}
-
-/// How many tiles go into a submission.
-#[derive(Clone, Copy, Debug)]
-struct Pace {
-    tiles: u32,
-    most: u32,
-}
-
-impl Pace {
-    /// How long a submission should take. Watchdogs bite after 2 s and up; a desktop that shares
-    /// the GPU stutters after a fraction of that; a tenth of a second makes any overhead small.
-    const TARGET: Duration = Duration::from_millis(100);
-    /// Hemicubes in the first submission, with nothing known about the adapter.
-    const FIRST_HEMICUBES: u32 = 8;
-    /// The most that one measurement makes submissions grow.
-    const MAX_GROWTH: f64 = 4.0;
-
-    fn new(most: u32) -> Self {
-        let first = Self::FIRST_HEMICUBES * TILES_PER_HEMICUBE as u32;
-        Self {
-            tiles: first.min(most),
-            most,
-        }
-    }
-
-    /// Takes into account that a submission of that many tiles took that long.
-    fn learn(&mut self, tiles: u32, duration: Duration) {
-        let per_tile = duration.as_secs_f64() / f64::from(tiles.max(1));
-        // A small submission says little of a large one.
-        let most = (f64::from(tiles) * Self::MAX_GROWTH).max(self.tiles.into());
-        let mut wanted = (Self::TARGET.as_secs_f64() / per_tile).min(most);
-        if duration <= Self::TARGET {
-            // A batch's last submission is a small one, and is mostly overhead.
-            wanted = wanted.max(self.tiles.into());
-        }
-        self.tiles = (wanted as u32).clamp(1, self.most);
+        format!("gpu, {}, {}", self.adapter(), self.raster.describe())
     }
 }
 
@@ -259,27 +288,5 @@ mod tests {
             matches!(lost, Err(BackendError::DeviceLost { .. })),
             "{lost:?}"
         );
-    }
-
-    #[test]
-    fn submissions_grow_towards_the_target_and_shrink_at_once() {
-        let mut pace = Pace::new(1000);
-        let per_tile = Pace::TARGET / 500;
-        for _ in 0..5 {
-            let before = pace.tiles;
-            pace.learn(before, per_tile * before);
-            assert!(f64::from(pace.tiles) <= f64::from(before) * Pace::MAX_GROWTH);
-        }
-        assert!((499..=500).contains(&pace.tiles), "{}", pace.tiles);
-        // A last, small submission teaches nothing new.
-        pace.learn(3, per_tile * 30);
-        assert!((499..=500).contains(&pace.tiles), "{}", pace.tiles);
-        pace.learn(500, Pace::TARGET * 100);
-        assert_eq!(pace.tiles, 5);
-        pace.learn(5, Pace::TARGET * 1000);
-        assert_eq!(pace.tiles, 1);
-        pace.learn(1, Duration::ZERO);
-        assert_eq!(pace.tiles, 4);
-        Pace::new(2).learn(2, Duration::ZERO);
     }
 }

@@ -48,8 +48,15 @@ pub const RASTERISED_OUTSET: f32 = 1.0 / 16.0;
 /// to slivers only, which are then sought in the whole picture.
 pub const MIN_GROWTH: f32 = 0.5;
 
+/// By how much all corners of a surface must be beyond a face's border for it to be left out, relative to the
+/// largest coordinates by axis, summed: corners in the face's axes are off by some 20 units in the last place
+/// (2^-24) of that at most.
+pub const CULLED_OUTSET: f32 = 64.0 / 16_777_216.0;
+
 /// Threads of a workgroup: the most that every adapter offers.
 pub const WORKGROUP_SIZE: u32 = 256;
+/// Side of the block of pixels that a workgroup draws, a thread each.
+pub const BLOCK_SIDE: u32 = WORKGROUP_SIZE.isqrt();
 /// Consecutive pixels that one thread sums, runs of the same patch by one addition.
 pub const PIXELS_PER_THREAD: u32 = 16;
 
@@ -93,8 +100,8 @@ pub struct Face {
     pub origin_y: f32,
     /// Unit vector into the picture.
     pub forward: [f32; 3],
-    /// Fills the struct up to its alignment.
-    pub padding: f32,
+    /// First word of the bits that tell which surfaces rise above the horizon.
+    pub horizon: u32,
 }
 
 /// What is the same for all faces.
@@ -107,8 +114,64 @@ pub struct DrawSettings {
     pub plane_tolerance: f32,
     /// Side of a pixel on the plane at distance 1, dimensionless.
     pub pixel: f32,
+    /// Pixels along a face.
+    pub resolution: u32,
+    /// Surfaces of the scene.
+    pub surface_count: u32,
+    /// Width of the atlas, pixels.
+    pub atlas_width: f32,
+    /// Height of the atlas, pixels.
+    pub atlas_height: f32,
     /// Fills the struct up to its alignment.
-    pub padding: f32,
+    pub padding: u32,
+}
+
+/// A surface as one face sees it, made on the device and used there only. Its members are told in
+/// `item_buffer.wgsl`.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+#[allow(missing_docs)] // Rust asks for its size alone
+pub struct Projected {
+    pub edge_0: [f32; 3],
+    pub first_patch: u32,
+    pub edge_1: [f32; 3],
+    pub depth: u32,
+    pub edge_2: [f32; 3],
+    pub is_back_face: u32,
+    pub margins: [f32; 3],
+    pub face: u32,
+    pub inverse_depth: [f32; 3],
+    pub padding: u32,
+    pub corner_0: [f32; 3],
+    pub padding_0: u32,
+    pub corner_1: [f32; 3],
+    pub padding_1: u32,
+    pub corner_2: [f32; 3],
+    pub padding_2: u32,
+}
+
+/// Where a face's surfaces are among those of all faces.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct Span {
+    /// Its first.
+    pub start: u32,
+    /// After its last.
+    pub end: u32,
+}
+
+/// What an indirect draw is told: WebGPU's own layout.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct DrawArguments {
+    /// Three for each surface that a face sees, counted on the device.
+    pub vertex_count: u32,
+    /// One.
+    pub instance_count: u32,
+    /// None are left out.
+    pub first_vertex: u32,
+    /// None are left out.
+    pub first_instance: u32,
 }
 
 /// A third of a hemicube's picture: R x R pixels of the atlas.
@@ -165,22 +228,48 @@ pub struct CountedEntry {
     pub units: u32,
 }
 
-/// The text of `item_buffer.wgsl`, ready to compile.
-pub fn item_buffer_wgsl() -> String {
-    with_constants(include_str!("item_buffer.wgsl"))
+/// The text of `projection.wgsl`, ready to compile.
+pub fn projection_wgsl() -> String {
+    with_constants(&[
+        include_str!("inclusive_sum.wgsl"),
+        include_str!("item_buffer.wgsl"),
+        include_str!("projection.wgsl"),
+    ])
+}
+
+/// The text of `raster_pipeline.wgsl`, ready to compile.
+pub fn raster_pipeline_wgsl() -> String {
+    let rest = with_constants(&[
+        include_str!("item_buffer.wgsl"),
+        include_str!("raster_pipeline.wgsl"),
+    ]);
+    format!("enable clip_distances;\n{rest}")
+}
+
+/// The text of `raster_compute.wgsl`, ready to compile.
+pub fn raster_compute_wgsl() -> String {
+    with_constants(&[
+        include_str!("item_buffer.wgsl"),
+        include_str!("raster_compute.wgsl"),
+    ])
 }
 
 /// The text of `merger.wgsl`, ready to compile.
 pub fn merger_wgsl() -> String {
-    with_constants(include_str!("merger.wgsl"))
+    with_constants(&[
+        include_str!("inclusive_sum.wgsl"),
+        include_str!("merger.wgsl"),
+    ])
 }
 
-fn with_constants(wgsl: &str) -> String {
+fn with_constants(parts: &[&str]) -> String {
     let integers = [
+        ("ALPHA_NOTHING", ALPHA_NOTHING.into()),
         ("ALPHA_BACK_FACE", ALPHA_BACK_FACE.into()),
         ("ALPHA_PATCH", ALPHA_PATCH.into()),
         ("NO_PATCH", NO_PATCH.0),
         ("WORKGROUP_SIZE", WORKGROUP_SIZE),
+        ("BLOCK_SIDE", BLOCK_SIDE),
         ("PIXELS_PER_THREAD", PIXELS_PER_THREAD),
     ];
     integers
@@ -197,175 +286,11 @@ fn with_constants(wgsl: &str) -> String {
                 "const COORDINATE_ULPS: f32 = {:?}f;\n",
                 COORDINATE_ULPS as f32
             ),
-            wgsl.into(),
+            format!("const CULLED_OUTSET: f32 = {CULLED_OUTSET:?}f;\n"),
         ])
+        .chain(parts.iter().map(|part| format!("{part}\n")))
         .collect()
 }
 
 #[cfg(test)]
-mod tests {
-    use std::collections::BTreeSet;
-    use std::mem::offset_of;
-
-    use super::*;
-
-    /// Name, offset and size of each member; and the size of the whole.
-    type Layout = (Vec<(String, u32, u32)>, u32);
-
-    macro_rules! layout {
-        ($type:ty { $($wgsl:literal = $field:ident: $kind:ty),* }) => {{
-            let value = <$type>::zeroed();
-            // Fails to compile where the type named here is not the field's.
-            $(let _: $kind = value.$field;)*
-            let members = vec![
-                $(($wgsl.into(), offset_of!($type, $field) as u32, size_of::<$kind>() as u32)),*
-            ];
-            (members, size_of::<$type>() as u32)
-        }};
-    }
-
-    fn layouts_in_rust() -> Vec<(&'static str, Layout)> {
-        type V = [f32; 3];
-        vec![
-            (
-                "Surface",
-                layout!(Surface {
-                    "corner_0" = corner_0: V, "first_patch" = first_patch: u32,
-                    "corner_1" = corner_1: V, "depth" = depth: u32,
-                    "corner_2" = corner_2: V, "padding" = padding: u32
-                }),
-            ),
-            (
-                "Face",
-                layout!(Face {
-                    "eye_high" = eye_high: V, "bottom" = bottom: f32,
-                    "eye_low" = eye_low: V, "height" = height: f32,
-                    "right" = right: V, "origin_x" = origin_x: f32,
-                    "up" = up: V, "origin_y" = origin_y: f32,
-                    "forward" = forward: V, "padding" = padding: f32
-                }),
-            ),
-            (
-                "DrawSettings",
-                layout!(DrawSettings {
-                    "near" = near: f32, "plane_tolerance" = plane_tolerance: f32,
-                    "pixel" = pixel: f32, "padding" = padding: f32
-                }),
-            ),
-            (
-                "Tile",
-                layout!(Tile {
-                    "origin_x" = origin_x: u32, "origin_y" = origin_y: u32, "row" = row: u32,
-                    "first_factor" = first_factor: u32, "factor_period" = factor_period: u32
-                }),
-            ),
-            (
-                "MergeSettings",
-                layout!(MergeSettings {
-                    "resolution" = resolution: u32, "patch_count" = patch_count: u32,
-                    "words_per_row" = words_per_row: u32, "blocks_per_row" = blocks_per_row: u32,
-                    "row_count" = row_count: u32
-                }),
-            ),
-            (
-                "RowSummary",
-                layout!(RowSummary { "end" = end: u32, "open" = open: u32, "back_face" = back_face: u32 }),
-            ),
-            // `patch` is a reserved word in WGSL.
-            (
-                "Entry",
-                layout!(CountedEntry { "patch_id" = patch: u32, "units" = units: u32 }),
-            ),
-        ]
-    }
-
-    fn parsed(wgsl: &str) -> naga::Module {
-        naga::front::wgsl::parse_str(wgsl)
-            .unwrap_or_else(|error| panic!("{}", error.emit_to_string(wgsl)))
-    }
-
-    /// All structs of a shader that lie in buffers.
-    fn layouts_in_wgsl(wgsl: &str) -> Vec<(String, Layout)> {
-        let module = parsed(wgsl);
-        let mut layouter = naga::proc::Layouter::default();
-        layouter.update(module.to_ctx()).unwrap();
-        let mut layouts = Vec::new();
-        for (_, ty) in module.types.iter() {
-            let (Some(name), naga::TypeInner::Struct { members, span }) = (&ty.name, &ty.inner)
-            else {
-                continue;
-            };
-            if members.iter().any(|member| member.binding.is_some()) {
-                continue; // passed between shader stages
-            }
-            let members = members
-                .iter()
-                .map(|m| (m.name.clone().unwrap(), m.offset, layouter[m.ty].size))
-                .collect();
-            layouts.push((name.clone(), (members, *span)));
-        }
-        layouts
-    }
-
-    /// Every shader of this folder, by its file name.
-    fn shaders() -> Vec<(String, String)> {
-        vec![
-            ("item_buffer.wgsl".into(), item_buffer_wgsl()),
-            ("merger.wgsl".into(), merger_wgsl()),
-        ]
-    }
-
-    #[test]
-    fn every_shader_of_the_folder_is_valid() {
-        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src/gpu");
-        let files: BTreeSet<String> = std::fs::read_dir(folder)
-            .unwrap()
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .filter(|name| {
-                std::path::Path::new(name)
-                    .extension()
-                    .is_some_and(|extension| extension == "wgsl")
-            })
-            .collect();
-        assert!(!files.is_empty());
-        assert_eq!(files, shaders().into_iter().map(|(name, _)| name).collect());
-        for (name, wgsl) in shaders() {
-            naga::valid::Validator::new(
-                naga::valid::ValidationFlags::all(),
-                naga::valid::Capabilities::empty(),
-            )
-            .validate(&parsed(&wgsl))
-            .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(&wgsl)));
-        }
-    }
-
-    #[test]
-    fn structs_lie_in_memory_as_the_shaders_see_them() {
-        let in_rust = layouts_in_rust();
-        let mut seen = BTreeSet::new();
-        for (file, wgsl) in shaders() {
-            for (name, layout) in layouts_in_wgsl(&wgsl) {
-                let (_, expected) = in_rust
-                    .iter()
-                    .find(|(known, _)| *known == name)
-                    .unwrap_or_else(|| panic!("{file}: {name} is not known in Rust"));
-                assert_eq!(layout, *expected, "{file}: {name}");
-                seen.insert(name);
-            }
-        }
-        assert_eq!(
-            seen,
-            in_rust.iter().map(|(name, _)| (*name).into()).collect()
-        );
-    }
-
-    #[test]
-    fn a_moved_member_would_be_noticed() {
-        let moved = item_buffer_wgsl().replacen("near: f32,", "near: vec2f,", 1);
-        let layouts = layouts_in_wgsl(&moved);
-        let (_, layout) = layouts.iter().find(|(n, _)| n == "DrawSettings").unwrap();
-        let in_rust = layouts_in_rust();
-        let (_, expected) = in_rust.iter().find(|(n, _)| *n == "DrawSettings").unwrap();
-        assert_ne!(layout, expected);
-    }
-}
+mod tests;

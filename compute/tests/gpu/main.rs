@@ -5,12 +5,13 @@
 
 mod closure;
 mod model;
+mod rasters;
 mod rows;
 mod twins;
 
 use std::sync::Arc;
 
-use compute::gpu::{AdapterChoice, GpuRows};
+use compute::gpu::{AdapterChoice, GpuRows, Raster};
 use compute::hemicubes::Hemicubes;
 use compute::rows::BackendError;
 use compute::settings::{FormFactorSettings, Points};
@@ -25,8 +26,17 @@ fn settings(resolution: u32) -> FormFactorSettings {
 
 /// A back end, or `None` where there is no adapter and none is required.
 fn open(scene: &Scene, settings: FormFactorSettings) -> Option<GpuRows<'_>> {
+    open_with(scene, settings, None)
+}
+
+/// The same with a raster of one's own choice, where one is given.
+fn open_with(
+    scene: &Scene,
+    settings: FormFactorSettings,
+    raster: Option<Raster>,
+) -> Option<GpuRows<'_>> {
     let hemicubes = Arc::new(Hemicubes::new(scene, settings));
-    match GpuRows::new(&hemicubes, AdapterChoice::Any) {
+    match GpuRows::with_raster(&hemicubes, AdapterChoice::Any, raster) {
         Ok(rows) => Some(rows),
         Err(BackendError::NoAdapter)
             if std::env::var_os("REQUIRE_GPU").is_none_or(|v| v != "1") =>

@@ -179,8 +179,16 @@ pub fn room_with_column() -> Model {
 /// A closed room, each of whose sides is divided in its own way, so that no edge between two sides is
 /// shared.
 pub fn patchwork_room() -> Model {
+    divided_room([[2, 3], [5, 1], [3, 7], [4, 2], [1, 6], [7, 5]])
+}
+
+/// The same of more surfaces than a workgroup has threads, in every face of a hemicube.
+pub fn fine_patchwork_room() -> Model {
+    divided_room([[22, 23], [25, 21], [23, 27], [24, 22], [21, 26], [27, 25]])
+}
+
+fn divided_room(parts: [[u32; 2]; 6]) -> Model {
     let mut model = Model::default();
-    let parts = [[2, 3], [5, 1], [3, 7], [4, 2], [1, 6], [7, 5]];
     for (side, parts) in sides(ROOM[0], ROOM[1], true).into_iter().zip(parts) {
         model.divided_quad(side, parts);
     }
