@@ -68,9 +68,10 @@ pub const RECIPROCITY_TOLERANCE: f64 = 0.05;
 /// What a run knows of the quality of its form factors and of its solution.
 #[derive(Clone, Debug, Serialize)]
 pub struct Certificate {
-    /// Rows drawn in this run; where they are not all, what needs all of them is null.
+    /// Rows drawn in this run; where they are not all, but for those of unlit patches, what needs all of them is
+    /// null. Patches that no light can reach have no part in the exchange.
     pub rows_drawn: u32,
-    /// Patches that no other patch sees; null unless all rows were drawn.
+    /// Patches that no other patch sees, of those that light can reach; null unless all rows of these were drawn.
     pub hidden_patches: Option<u32>,
     /// Mean share of a hemisphere that sees nothing, by area, of the patches that are not hidden; null
     /// where no row was drawn.
@@ -81,7 +82,7 @@ pub struct Certificate {
     pub looks_closed: Option<bool>,
     /// Largest |row sum + openings + back faces - 1| of a patch whose row was drawn, dimensionless.
     pub closure_error: f64,
-    /// Null unless all rows were drawn.
+    /// Null unless all rows were drawn, but for those of unlit patches.
     pub reciprocity: Option<Reciprocity>,
     /// Openings of a scene that looks closed; null where there are none.
     pub opening: Option<Finding>,
@@ -128,15 +129,18 @@ pub fn certify(rows: &RowCache, imbalance: Option<f64>, residual: Option<f64>) -
     let scene = rows.hemicubes().scene();
     let areas = scene.patch_areas();
     let rows_drawn = rows.unseen().iter().flatten().count() as u32;
-    let all_drawn = rows_drawn == scene.patch_count();
+    let lit = rows.lit_count();
+    let all_drawn = rows_drawn == lit;
     let is_seen = |j: usize| {
         let back_face = rows.unseen()[j].map_or(0.0, |unseen| f64::from(unseen.back_face));
         let sees = rows.received().row_sum(j) + back_face / f64::from(UNITS_PER_ONE);
         rows.received().area(j) > SEEN_BY_CHANCE * areas[j] * sees
     };
-    let hidden = (0..areas.len()).filter(|&j| !is_seen(j)).count() as u32;
+    let hidden = (0..areas.len())
+        .filter(|&j| !rows.unlit()[j] && !is_seen(j))
+        .count() as u32;
     // Where nobody sees anybody, as around a solid, there is no exchange to be left out of.
-    let leave_out_hidden = all_drawn && hidden < scene.patch_count();
+    let leave_out_hidden = all_drawn && hidden < lit;
     let counts = |j: usize| !leave_out_hidden || is_seen(j);
 
     let mean_share = |loss| {
@@ -173,7 +177,7 @@ pub fn certify(rows: &RowCache, imbalance: Option<f64>, residual: Option<f64>) -
         back_face_share,
         looks_closed,
         closure_error: closure_error(rows),
-        reciprocity: all_drawn.then(|| reciprocity(scene, &areas, rows)),
+        reciprocity: (all_drawn && lit > 0).then(|| reciprocity(scene, &areas, rows)),
         opening: if looks_closed == Some(true) {
             find(Loss::Opening, open_share)
         } else {
@@ -183,7 +187,7 @@ pub fn certify(rows: &RowCache, imbalance: Option<f64>, residual: Option<f64>) -
         imbalance,
         violations: Vec::new(),
     };
-    certificate.violations = certificate.violations(scene.patch_count(), residual);
+    certificate.violations = certificate.violations(lit, residual);
     certificate
 }
 
@@ -220,7 +224,14 @@ fn object_name(scene: &Scene, patch: usize) -> String {
 fn reciprocity(scene: &Scene, areas: &[f64], rows: &RowCache) -> Reciprocity {
     let (mut squares, mut whole) = (0.0, 0.0);
     let (mut worst_patch, mut worst) = (0, 0.0_f64);
-    for (j, &area) in areas.iter().enumerate() {
+    // Unlit patches, whose rows nobody knows, see no lit ones but black ones.
+    let all_lit = rows.lit_count() == scene.patch_count();
+    let reflectances = scene.patch_reflectances();
+    let counted = areas
+        .iter()
+        .enumerate()
+        .filter(|&(j, _)| all_lit || !rows.unlit()[j] && reflectances[j].max_element() > 0.0);
+    for (j, &area) in counted {
         let sent = area * rows.received().row_sum(j);
         let received = rows.received().area(j);
         let larger = sent.max(received);
@@ -237,7 +248,7 @@ fn reciprocity(scene: &Scene, areas: &[f64], rows: &RowCache) -> Reciprocity {
         }
     }
     Reciprocity {
-        rms: (squares / whole).sqrt(),
+        rms: (squares / f64::max(whole, f64::MIN_POSITIVE)).sqrt(),
         worst_patch: worst_patch as u32,
         worst_object: object_name(scene, worst_patch),
         worst,

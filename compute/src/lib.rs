@@ -28,5 +28,6 @@ pub mod run;
 pub mod settings;
 pub mod solver;
 mod sphere;
+pub mod unlit;
 pub mod verify;
 pub mod view_factors;

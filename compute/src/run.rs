@@ -19,7 +19,7 @@ use crate::row_cache::{RowCache, RowStatistics};
 use crate::settings::{Settings, SolverChoice};
 use crate::solver::convergence::Convergence;
 use crate::solver::{Gather, Shoot, Solver, Update, ambient_radiosity};
-use crate::{certificate, form_factors_csv, interrupt, view_factors};
+use crate::{certificate, form_factors_csv, interrupt, unlit, view_factors};
 
 /// Does what was asked for, and says on standard error what a user should know on the way.
 ///
@@ -80,6 +80,12 @@ impl<'a> Run<'a> {
         }
         let source = with_lamps(&hemicubes, settings.lamps, source);
         let mut rows = RowCache::new(&hemicubes, source, settings.memory_bytes);
+        let all_rows = settings.strict
+            || settings.form_factors_csv.is_some()
+            || settings.view_factors_csv.is_some();
+        if !all_rows && let Some(unlit) = unlit::unlit(hemicubes.drawable(), solution.as_ref()) {
+            rows.leave_out(unlit);
+        }
         if let Err(error) = self.write_factors(&scene, &mut rows) {
             if !interrupt::requested() {
                 return Err(error);
@@ -141,6 +147,7 @@ impl<'a> Run<'a> {
             },
             patches: scene.patch_count(),
             surfaces: scene.surfaces().len(),
+            unlit_patches: scene.patch_count() - rows.lit_count(),
             hemicubes_drawn: statistics.hemicubes,
             rows: RowsReport {
                 kept: statistics.kept_rows,
@@ -243,8 +250,7 @@ impl<'a> Run<'a> {
             }
             let step = solver.step(rows)?;
             let statistics = rows.statistics();
-            if !is_shortage_said && let Some(shortage) = shortage(&statistics, scene.patch_count())
-            {
+            if !is_shortage_said && let Some(shortage) = shortage(&statistics, rows.lit_count()) {
                 progress.say(&shortage);
                 is_shortage_said = true;
             }
