@@ -26,7 +26,6 @@ mod received;
 use scene::{PatchId, Scene};
 use serde::Serialize;
 
-use crate::hemicubes::Hemicubes;
 use crate::row_cache::RowCache;
 use crate::rows::UNITS_PER_ONE;
 use culprit::{Loss, culprit};
@@ -69,9 +68,10 @@ pub const RECIPROCITY_TOLERANCE: f64 = 0.05;
 /// What a run knows of the quality of its form factors and of its solution.
 #[derive(Clone, Debug, Serialize)]
 pub struct Certificate {
-    /// Rows drawn in this run; where they are not all, what needs all of them is null.
+    /// Rows drawn in this run; where they are not all, but for those of unlit patches, what needs all of them is
+    /// null. Patches that no light can reach have no part in the exchange.
     pub rows_drawn: u32,
-    /// Patches that no other patch sees; null unless all rows were drawn.
+    /// Patches that no other patch sees, of those that light can reach; null unless all rows of these were drawn.
     pub hidden_patches: Option<u32>,
     /// Mean share of a hemisphere that sees nothing, by area, of the patches that are not hidden; null
     /// where no row was drawn.
@@ -82,7 +82,7 @@ pub struct Certificate {
     pub looks_closed: Option<bool>,
     /// Largest |row sum + openings + back faces - 1| of a patch whose row was drawn, dimensionless.
     pub closure_error: f64,
-    /// Null unless all rows were drawn.
+    /// Null unless all rows were drawn, but for those of unlit patches.
     pub reciprocity: Option<Reciprocity>,
     /// Openings of a scene that looks closed; null where there are none.
     pub opening: Option<Finding>,
@@ -131,11 +131,14 @@ pub fn certify(rows: &RowCache, imbalance: Option<f64>, residual: Option<f64>) -
     let areas = scene.patch_areas();
     let exchange = Exchange::new(rows, &areas);
     let rows_drawn = rows.unseen().iter().flatten().count() as u32;
-    let all_drawn = rows_drawn == scene.patch_count();
+    let lit = rows.lit_count();
+    let all_drawn = rows_drawn == lit;
     let is_seen = |j: usize| exchange.is_seen[j];
-    let hidden = (0..areas.len()).filter(|&j| !is_seen(j)).count() as u32;
+    let hidden = (0..areas.len())
+        .filter(|&j| !rows.unlit()[j] && !is_seen(j))
+        .count() as u32;
     // Where nobody sees anybody, as around a solid, there is no exchange to be left out of.
-    let leave_out_hidden = all_drawn && hidden < scene.patch_count();
+    let leave_out_hidden = all_drawn && hidden < lit;
     let counts = |j: usize| !leave_out_hidden || is_seen(j);
 
     let mean_share = |loss| {
@@ -172,7 +175,7 @@ pub fn certify(rows: &RowCache, imbalance: Option<f64>, residual: Option<f64>) -
         back_face_share,
         looks_closed,
         closure_error: closure_error(rows),
-        reciprocity: all_drawn.then(|| exchange.reciprocity(rows.hemicubes())),
+        reciprocity: (all_drawn && lit > 0).then(|| exchange.reciprocity(rows)),
         opening: if looks_closed == Some(true) {
             find(Loss::Opening, open_share)
         } else {
@@ -182,7 +185,7 @@ pub fn certify(rows: &RowCache, imbalance: Option<f64>, residual: Option<f64>) -
         imbalance,
         violations: Vec::new(),
     };
-    certificate.violations = certificate.violations(scene.patch_count(), residual);
+    certificate.violations = certificate.violations(lit, residual);
     certificate
 }
 
@@ -250,10 +253,20 @@ impl Exchange {
         exchange
     }
 
-    fn reciprocity(&self, hemicubes: &Hemicubes) -> Reciprocity {
+    fn reciprocity(&self, rows: &RowCache) -> Reciprocity {
+        let hemicubes = rows.hemicubes();
+        let is_unlit = rows.unlit();
+        // Unlit patches, whose rows nobody knows, see no lit ones but black ones.
+        let all_lit = !is_unlit.contains(&true);
+        let reflectances = hemicubes.receivers().patch_reflectances();
+        let counts = |source: u32| {
+            let patch = hemicubes.receivers_of(PatchId(source)).start as usize;
+            all_lit || !is_unlit[patch] && reflectances[patch].max_element() > 0.0
+        };
         let (mut squares, mut whole) = (0.0, 0.0);
         let (mut worst_source, mut worst) = (0, 0.0_f64);
-        for (source, &[area, sent, received]) in (0..).zip(&self.sources) {
+        let sources = (0..).zip(&self.sources);
+        for (source, &[area, sent, received]) in sources.filter(|&(source, _)| counts(source)) {
             let larger = sent.max(received);
             let by_chance = sent == 0.0 && received <= SEEN_BY_CHANCE * area;
             let difference = if by_chance {
@@ -269,7 +282,7 @@ impl Exchange {
         }
         let worst_patch = hemicubes.receivers_of(PatchId(worst_source)).start;
         Reciprocity {
-            rms: (squares / whole).sqrt(),
+            rms: (squares / f64::max(whole, f64::MIN_POSITIVE)).sqrt(),
             worst_patch,
             worst_object: object_name(hemicubes.receivers(), worst_patch as usize),
             worst,

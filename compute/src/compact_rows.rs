@@ -31,6 +31,10 @@
 //! core of an EPYC gathers 1.2 to 1.6 10^9 entries a second, 1.4 to 2 times as many as of plain
 //! entries; instructions limit it, not memory.
 //!
+//! Decoding is what it costs: with one channel instead of three, as a grey scene would do with, one core gathers 1.97
+//! against 1.75 10^9 entries a second of the Cornell box, 1.67 against 1.67 and 1.79 against 1.77 of the
+//! hall. So all scenes are gathered in three.
+//!
 //! Zeros instead of missing entries would save the bits, and cost 2 bytes for each of the 15 to 50 percent of
 //! a block that is not seen. Patch numbers as differences of 8 bits cost a byte an entry, and a gather.
 

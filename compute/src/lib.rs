@@ -29,5 +29,6 @@ pub mod settings;
 pub mod solver;
 mod sphere;
 pub mod two_levels;
+pub mod unlit;
 pub mod verify;
 pub mod view_factors;

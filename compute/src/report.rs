@@ -61,6 +61,9 @@ pub struct Report {
     pub patches: u32,
     /// Number of surfaces.
     pub surfaces: usize,
+    /// Patches that no light can reach: they are dark, and their rows were neither needed nor drawn. 0 where all
+    /// rows were asked for.
+    pub unlit_patches: u32,
     /// Hemicubes drawn, those drawn again included.
     pub hemicubes_drawn: u64,
     /// The sources, where they are coarser than the patches.
@@ -245,7 +248,8 @@ pub fn measure(
         let irradiance = solution.irradiance[i].as_dvec3();
         absorbed += area * (1.0 - reflectance[i].as_dvec3()) * irradiance;
         let Some(unseen) = rows.unseen()[i] else {
-            all_drawn = false;
+            // What is unlit loses nothing.
+            all_drawn &= rows.unlit()[i];
             continue;
         };
         let open = f64::from(unseen.open) / f64::from(UNITS_PER_ONE);
@@ -333,6 +337,12 @@ impl Report {
                 show_duration(duration(self.seconds.load + self.seconds.write)),
             ),
         ];
+        if self.unlit_patches > 0 {
+            lines.push(format!(
+                "unlit          {} patches that no light can reach, not drawn",
+                self.unlit_patches
+            ));
+        }
         if self.hemicubes_drawn > 0 {
             lines.push(format!(
                 "hemicubes      {} drawn, {:.0} a second; form factors take {}",

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::io;
+use std::ops::Range;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -11,7 +12,7 @@ use crate::certificate::Received;
 use crate::compact_rows::{CompactRows, Exact, Row};
 use crate::hemicubes::Hemicubes;
 use crate::interrupt;
-use crate::rows::{BackendError, RowSource, Unseen};
+use crate::rows::{BackendError, RowBatch, RowSource, Unseen};
 
 /// All rows of a scene, as far as anybody asks for them.
 pub struct RowCache<'a> {
@@ -29,6 +30,8 @@ pub struct RowCache<'a> {
     /// What the rows that were drawn in this run send to each patch.
     received: Received,
     statistics: RowStatistics,
+    /// Patches whose rows are taken to be empty and are not drawn; one per patch.
+    unlit: Vec<bool>,
 }
 
 /// What drawing has cost.
@@ -93,17 +96,29 @@ impl<'a> RowCache<'a> {
             unseen: vec![None; receivers.patch_count() as usize],
             received: Received::new(&receivers.patch_areas(), sources.patch_count()),
             statistics: RowStatistics::default(),
+            unlit: vec![false; receivers.patch_count() as usize],
         }
+    }
+
+    /// Takes the rows of some patches to be empty, whose irradiance is known to be 0, see [`crate::unlit`]; `unlit`
+    /// has one element per patch.
+    pub fn leave_out(&mut self, unlit: Vec<bool>) {
+        self.unlit = unlit;
+    }
+
+    /// True for each patch whose row nobody needs, one per patch.
+    pub fn unlit(&self) -> &[bool] {
+        &self.unlit
+    }
+
+    /// How many rows somebody may need.
+    pub fn lit_count(&self) -> u32 {
+        self.unlit.iter().filter(|&&unlit| !unlit).count() as u32
     }
 
     /// The hemicubes that the rows come from.
     pub fn hemicubes(&self) -> &Hemicubes<'a> {
         &self.hemicubes
-    }
-
-    /// How many rows there are.
-    pub fn patch_count(&self) -> u32 {
-        self.patch_count
     }
 
     /// What the back end calls itself.
@@ -149,15 +164,20 @@ impl<'a> RowCache<'a> {
         Ok(())
     }
 
-    /// Draws the rows that were not drawn in this run.
+    /// Draws the rows that were not drawn in this run, but for those that nobody needs.
     pub fn draw_missing(&mut self) -> Result<(), BackendError> {
-        while let Some(patch) = self.unseen.iter().position(Option::is_none) {
+        while let Some(patch) = self.first_missing() {
             if interrupt::requested() {
                 break;
             }
             self.batch_with(patch as u32)?;
         }
         Ok(())
+    }
+
+    fn first_missing(&self) -> Option<usize> {
+        let mut rows = self.unseen.iter().zip(&self.unlit);
+        rows.position(|(unseen, &unlit)| unseen.is_none() && !unlit)
     }
 
     /// A batch that holds the row of `patch`, which exists; where the row must be drawn, the batch
@@ -192,29 +212,59 @@ impl<'a> RowCache<'a> {
             .range(patch..)
             .next()
             .map_or(self.patch_count, |(&first, _)| first);
-        let end = next_kept.min(patch + most);
+        let mut end = patch;
+        let mut rows = 0;
+        while end < next_kept && rows < u64::from(most) {
+            rows += u64::from(!self.unlit[end as usize]);
+            end += 1;
+        }
         let start = Instant::now();
-        let drawn = self.source.draw_rows(patch..end)?;
+        let drawn = self.draw(patch..end)?;
         let batch = CompactRows::encode(&drawn, &self.exact);
         self.statistics.duration += start.elapsed();
-        self.statistics.hemicubes +=
-            self.hemicubes.first(PatchId(end)) - self.hemicubes.first(PatchId(patch));
         let unseen = &mut self.unseen[patch as usize..end as usize];
-        self.received.add(&drawn, |k: usize| unseen[k].is_none());
-        for (k, unseen) in unseen.iter_mut().enumerate() {
+        let unlit = &self.unlit[patch as usize..end as usize];
+        self.received
+            .add(&drawn, |k: usize| unseen[k].is_none() && !unlit[k]);
+        for (k, unseen) in unseen.iter_mut().enumerate().filter(|(k, _)| !unlit[*k]) {
             *unseen = Some(drawn.unseen(k));
         }
         if self.statistics.kept_bytes + batch.bytes() <= self.budget_bytes {
             self.statistics.kept_bytes += batch.bytes();
-            self.statistics.kept_rows += u64::from(end - patch);
+            self.statistics.kept_rows += rows;
             self.statistics.kept_entries += batch.entries();
             Ok(self.kept.entry(patch).or_insert(batch))
         } else {
-            self.statistics.left_out_rows += u64::from(end - patch);
+            self.statistics.left_out_rows += rows;
             self.statistics.left_out_bytes += batch.bytes();
             self.passing = batch;
             Ok(&self.passing)
         }
+    }
+
+    /// Draws the rows of consecutive patches that somebody needs; the others are empty.
+    fn draw(&mut self, patches: Range<u32>) -> Result<RowBatch, BackendError> {
+        let unlit = &self.unlit[patches.start as usize..patches.end as usize];
+        let number = |patch| self.hemicubes.first(PatchId(patch));
+        if !unlit.contains(&true) {
+            self.statistics.hemicubes += number(patches.end) - number(patches.start);
+            return self.source.draw_rows(patches);
+        }
+        let mut batch = RowBatch::new(patches.start);
+        let mut first = patches.start;
+        for run in unlit.chunk_by(|a, b| a == b) {
+            let end = first + run.len() as u32;
+            if run[0] {
+                for _ in run {
+                    batch.push(&[], Unseen::default());
+                }
+            } else {
+                batch.append(&self.source.draw_rows(first..end)?);
+                self.statistics.hemicubes += number(end) - number(first);
+            }
+            first = end;
+        }
+        Ok(batch)
     }
 
     /// The rows of consecutive patches, beginning with a batch that holds the row of `patch`, which exists:

@@ -22,8 +22,7 @@ use crate::row_cache::{RowCache, RowStatistics};
 use crate::settings::{Settings, SolverChoice, SourceArea};
 use crate::solver::convergence::Convergence;
 use crate::solver::{Gather, Shoot, Solver, Update, ambient_radiosity};
-use crate::two_levels;
-use crate::{certificate, form_factors_csv, interrupt, view_factors};
+use crate::{certificate, form_factors_csv, interrupt, two_levels, unlit, view_factors};
 use levels::Solved;
 
 /// Does what was asked for, and says on standard error what a user should know on the way.
@@ -81,6 +80,12 @@ impl<'a> Run<'a> {
         // Rows that patches gather with once are not worth keeping.
         let memory_bytes = coarse.as_ref().map_or(settings.memory_bytes, |_| 0);
         let (name, mut rows) = self.rows(&hemicubes, memory_bytes)?;
+        let all_rows = settings.strict
+            || settings.form_factors_csv.is_some()
+            || settings.view_factors_csv.is_some();
+        if !all_rows && let Some(unlit) = unlit::unlit(&hemicubes, levels.start()) {
+            rows.leave_out(unlit);
+        }
         if let Err(error) = self.write_factors(&scene, &mut rows) {
             if !interrupt::requested() {
                 return Err(error);
@@ -126,6 +131,7 @@ impl<'a> Run<'a> {
             },
             patches: scene.patch_count(),
             surfaces: scene.surfaces().len(),
+            unlit_patches: scene.patch_count() - rows.lit_count(),
             hemicubes_drawn: statistics.hemicubes,
             sources: sources.map(|(report, _)| report),
             rows: RowsReport {
@@ -281,7 +287,7 @@ impl<'a> Run<'a> {
             }
             if goal == Goal::Convergence
                 && !is_shortage_said
-                && let Some(shortage) = shortage(&statistics, rows.patch_count())
+                && let Some(shortage) = shortage(&statistics, rows.lit_count())
             {
                 progress.say(&shortage);
                 is_shortage_said = true;

@@ -213,6 +213,16 @@ impl Run<'_> {
     }
 }
 
+impl Levels {
+    /// The solution of the patches from which the run goes on.
+    pub(super) fn start(&self) -> &Solution {
+        match self {
+            Self::Enough(start) | Self::One(start) => start,
+            Self::Two(levels) => &levels.solution,
+        }
+    }
+}
+
 impl TwoLevels {
     /// True where something has stopped the sources' solver before its end.
     fn is_stopped(&self) -> bool {
