@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use compute::quantity::{show_duration, show_size};
+use compute::two_levels::MOST_ON_ONE_LEVEL;
 use genx::Model;
 
 use crate::arguments::{Plan, Section, command_of};
@@ -176,10 +177,12 @@ pub fn section(plan: &Plan, program: &Program) -> anyhow::Result<String> {
          each run a process of its own ({}). The ratio is the thesis's time over this one's, the machines' \
          difference included; drawing is the hemicubes, \
          the views of lamps and their merging. A run has {} at most; rows that do not fit the default `--memory` \
-         are drawn again in each iteration.\n",
+         are drawn again in each iteration. Scenes of more than {} patches are solved among coarser \
+         sources, from which each patch gathers once (`compute/src/two_levels.rs`).\n",
         heading("The thesis's table"),
         command_of(Section::Thesis),
         show_duration(plan.time_limit),
+        count(MOST_ON_ONE_LEVEL.into()),
     );
     let mut header = vec!["patches", "pixels"];
     header.extend(STAGES);
