@@ -85,7 +85,7 @@ struct Arguments {
         ("auto", LampViews::Auto), ("off", LampViews::Off), ("all", LampViews::All)]))]
     lamps: LampViews,
     /// Join patches to sources of at most A m^2, solve among these, then let each patch gather from them: patches
-    /// (one level), auto (coarse sources in scenes of more than 262144 patches, with an error of at most 0.5
+    /// (one level), auto (coarse sources in scenes of more than 65536 patches, with an error of at most 0.5
     /// percent), or A
     #[arg(long, default_value = "auto", value_name = "A", value_parser = parse_source_area)]
     source_area: SourceArea,

@@ -18,6 +18,8 @@ const BAR_STEPS: u64 = 1000;
 pub struct Position {
     /// Iterations done.
     pub iterations: u64,
+    /// Whether all patches gather once, after the iterations.
+    pub is_gathering: bool,
     /// Share of the iteration under way, 0 to 1.
     pub share_done: f64,
     /// The relative residual, dimensionless.
@@ -78,10 +80,11 @@ impl Progress {
     }
 
     fn message(&self, position: Position) -> String {
-        let mut parts = vec![format!(
-            "iteration {}",
-            position.iterations.saturating_add(1)
-        )];
+        let mut parts = vec![if position.is_gathering {
+            "patches gather from their sources".to_owned()
+        } else {
+            format!("iteration {}", position.iterations.saturating_add(1))
+        }];
         if self.bar.is_none() {
             parts.push(format!("{:.0} percent", 100.0 * position.share_done));
         }
@@ -111,7 +114,9 @@ impl Progress {
             None => return None,
         };
         let iterations_after = match (self.seen.1, self.seen.2) {
-            (Some(now), Some(before)) if now < before && now > self.tolerance => {
+            (Some(now), Some(before))
+                if now < before && now > self.tolerance && !position.is_gathering =>
+            {
                 // The iteration under way is the first of them.
                 ((self.tolerance.max(1e-12) / now).ln() / (now / before).ln()).ceil() - 1.0
             }

@@ -294,6 +294,7 @@ impl<'a> Run<'a> {
             }
             progress.show(Position {
                 iterations: solver.iterations(),
+                is_gathering: goal == Goal::OnePass,
                 share_done: step.share_done,
                 residual: solver.residual(),
                 hemicubes: statistics.hemicubes,

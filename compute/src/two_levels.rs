@@ -51,7 +51,7 @@ pub const MOST_ERROR: f64 = 0.005;
 
 /// Scenes with more patches than this have automatic sources. Tuned: with fewer the rows of all patches fit into
 /// the default memory, and to draw and keep them takes no longer than to find good sources first.
-pub const MOST_ON_ONE_LEVEL: u32 = 1 << 18;
+pub const MOST_ON_ONE_LEVEL: u32 = 1 << 16;
 
 /// Sources of the first try, if the surfaces are no more.
 const FEWEST_SOURCES: f64 = 1024.0;

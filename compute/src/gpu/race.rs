@@ -8,6 +8,7 @@ use super::adapter::Gpu;
 use super::atlas::TILES_PER_HEMICUBE;
 use super::item_buffer::AtlasDrawer;
 use super::raster::Raster;
+use crate::hemicube::pixel_count;
 use crate::hemicubes::Hemicubes;
 use crate::rows::BackendError;
 
@@ -21,6 +22,10 @@ const GROWTH: u32 = 4;
 /// Pixels of a tile up to which races are held: one of larger tiles could take a slow adapter seconds.
 const MOST_PIXELS: u32 = 1 << 20;
 
+/// Pixels of a hemicube times surfaces of the scene up to which races are held: the compute shader may try all of
+/// them, where the pipeline is sure to be the faster one.
+const MOST_TESTS: u64 = 1 << 30;
+
 /// The faster raster of those that the adapter offers, or its first where there is no telling.
 pub fn fastest(
     gpu: &Gpu,
@@ -28,7 +33,10 @@ pub fn fastest(
     hemicubes: &Hemicubes,
 ) -> Result<Raster, BackendError> {
     let offered = Raster::offered_by(gpu);
-    if offered.len() == 1 || drawer.layout().resolution.pow(2) > MOST_PIXELS {
+    let resolution = drawer.layout().resolution;
+    let surfaces = hemicubes.sources().surfaces().len() as u64;
+    let tests = pixel_count(resolution) as u64 * surfaces;
+    if offered.len() == 1 || resolution.pow(2) > MOST_PIXELS || tests > MOST_TESTS {
         return Ok(offered[0]);
     }
     // The first drawing is not timed: drivers put some things off until then.

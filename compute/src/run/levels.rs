@@ -53,9 +53,9 @@ impl Run<'_> {
     ) -> anyhow::Result<(Levels, Option<Scene>)> {
         let provenance = solution.as_ref().map(|solution| &solution.provenance);
         let had = provenance.map_or(0, |provenance| provenance.iterations);
-        if self.settings.max_iterations.is_some_and(|most| had >= most)
-            && provenance.is_none_or(|provenance| provenance.sources.is_none())
-        {
+        let most = self.settings.max_iterations;
+        let is_enough = most.is_some_and(|most| had >= most);
+        if is_enough && provenance.is_none_or(|provenance| provenance.sources.is_none()) {
             let file = self.settings.input.display();
             eprintln!("compute: nothing to do: {file} has had {had} iterations");
             // As it is: these settings have done nothing to it.
@@ -67,6 +67,7 @@ impl Run<'_> {
         let residual = start.provenance.residuals.last();
         let is_solved = residual.is_some_and(|&residual| residual <= self.settings.tolerance);
         let gathering = before.filter(|before| before.is_gathering);
+        let goes_on_gathering = gathering.is_some() && (is_solved || is_enough);
         let areas: Box<dyn Iterator<Item = f64>> = match self.settings.source_area {
             _ if is_solved && before.is_none() => return Ok((Levels::One(start), None)),
             SourceArea::Patches => return Ok((Levels::One(start), None)),
@@ -81,7 +82,12 @@ impl Run<'_> {
             },
         };
         let is_trying = self.settings.source_area == SourceArea::Auto && gathering.is_none();
-        if is_trying || gathering.is_some() && !is_solved {
+        if is_trying {
+            // What an earlier run tells of is not of the first sources to be tried.
+            start.provenance.residuals.clear();
+            start.provenance.sources = None;
+        }
+        if is_trying || gathering.is_some() && !goes_on_gathering {
             start.unfinished = None;
         }
         let fresh = start.provenance.clone();
@@ -99,10 +105,14 @@ impl Run<'_> {
             {
                 continue;
             }
-            if gathering.is_some() && is_solved {
+            if goes_on_gathering {
                 let levels = TwoLevels {
                     report: SourcesReport::new(count, area),
-                    result: Ok(StoppedBy::Tolerance),
+                    result: Ok(if is_solved {
+                        StoppedBy::Tolerance
+                    } else {
+                        StoppedBy::Iterations
+                    }),
                     statistics: drawn,
                     solution: start,
                 };
