@@ -1,6 +1,5 @@
 //! Item buffers of many hemicubes in one atlas. Twin of [`crate::cpu::item_buffer`].
 
-use glam::DVec3;
 use scene::{Scene, SurfaceId};
 
 use super::adapter::Gpu;
@@ -333,11 +332,7 @@ fn surfaces(scene: &Scene) -> Vec<Surface> {
 
 /// A face of the hemicube at `frame` as the shader sees it.
 fn face_of(frame: &Frame, window: &Window, [x, y]: [u32; 2], horizon: u32) -> Face {
-    let in_scene = |v: DVec3| {
-        (v.x * frame.tangent + v.y * frame.bitangent + v.z * frame.normal)
-            .as_vec3()
-            .to_array()
-    };
+    let in_scene = |v| frame.to_scene(v).as_vec3().to_array();
     let eye_high = frame.position.as_vec3();
     Face {
         eye_high: eye_high.to_array(),

@@ -81,14 +81,13 @@ fn add_sample(drawer: &mut AtlasDrawer, hemicubes: &Hemicubes, count: u32) {
     for k in 0..u64::from(count) {
         let patch = PatchId((k * patches / u64::from(count)) as u32);
         let own = hemicubes.surface_of(patch);
-        for frame in hemicubes.frames(patch).iter().take(1) {
-            for tile in 0..TILES_PER_HEMICUBE {
-                if !drawer.has_room(scene, own) {
-                    return;
-                }
-                let origin = drawer.layout().origin(k, tile);
-                drawer.add(scene, own, frame, tile, origin);
+        let frame = &hemicubes.frames(patch)[0];
+        for tile in 0..TILES_PER_HEMICUBE {
+            if !drawer.has_room(scene, own) {
+                return;
             }
+            let origin = drawer.layout().origin(k, tile);
+            drawer.add(scene, own, frame, tile, origin);
         }
     }
 }
