@@ -46,7 +46,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use scene::Rgb;
 
-use crate::rows::{Entry, RowBatch};
+use crate::rows::{Entry, RowBatch, UNITS_PER_ONE};
 
 /// Patches in a block.
 const BLOCK: usize = 16;
@@ -411,6 +411,12 @@ impl Default for Gatherer {
 }
 
 impl Gatherer {
+    /// Irradiance H = sum_j F_ij B_j, W/m^2.
+    #[inline]
+    pub fn irradiance(self, row: Row, radiosity: &Channels) -> Rgb {
+        (self.gather(row, radiosity) / f64::from(UNITS_PER_ONE)).as_vec3()
+    }
+
     /// sum_j units_j B_j over a row's entries. Each product is exact in f64, and each of eight sums adds up
     /// every eighth patch, in their order.
     #[inline]

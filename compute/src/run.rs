@@ -57,6 +57,8 @@ struct Run<'a> {
     seconds: Seconds,
     /// Whether the user knows why the back end is not another one.
     is_remark_said: bool,
+    /// Hemicubes and time of rows that are there no more: those of coarse sources.
+    drawn_before: RowStatistics,
 }
 
 impl<'a> Run<'a> {
@@ -66,6 +68,7 @@ impl<'a> Run<'a> {
             start: Instant::now(),
             seconds: Seconds::default(),
             is_remark_said: false,
+            drawn_before: RowStatistics::default(),
         }
     }
 
@@ -107,10 +110,8 @@ impl<'a> Run<'a> {
             }
         }
 
-        let mut statistics = rows.statistics();
-        if let Some((_, of_sources)) = sources {
-            statistics = of_sources.with_drawing_of(&statistics);
-        }
+        let statistics = rows.statistics().with_drawing_of(&self.drawn_before);
+        let kept = sources.map_or(statistics, |(_, rows)| rows);
         self.seconds
             .finish(self.start.elapsed(), statistics.duration);
         let (energy, closure, back_face_share) = report::measure(&scene, &solution, &rows);
@@ -135,9 +136,9 @@ impl<'a> Run<'a> {
             hemicubes_drawn: statistics.hemicubes,
             sources: sources.map(|(report, _)| report),
             rows: RowsReport {
-                kept: statistics.kept_rows,
-                kept_bytes: statistics.kept_bytes,
-                bytes_per_entry: statistics.bytes_per_entry(),
+                kept: kept.kept_rows,
+                kept_bytes: kept.kept_bytes,
+                bytes_per_entry: kept.bytes_per_entry(),
             },
             seconds: self.seconds,
             peak_memory_bytes: report::peak_memory_bytes(),
@@ -301,10 +302,7 @@ impl<'a> Run<'a> {
                 drawing: statistics.duration,
             });
             if last_checkpoint.elapsed() >= settings.checkpoint_every.max(MIN_CHECKPOINT_INTERVAL) {
-                // The work goes on: the disk may have room again by the end.
-                if let Err(error) = self.save(scene, &solver.snapshot()) {
-                    progress.say(&format!("compute: warning: no checkpoint: {error:#}"));
-                }
+                self.checkpoint(scene, &solver.snapshot(), |warning| progress.say(warning));
                 last_checkpoint = Instant::now();
             }
         };
@@ -326,6 +324,13 @@ impl<'a> Run<'a> {
                 Err(error.context(format!("what was solved so far is in {output}")))
             }
             (Err(error), Err(unsaved)) => Err(error.context(format!("{unsaved:#}; before that"))),
+        }
+    }
+
+    /// Writes what there is; the work goes on if it cannot, since the disk may have room again by the end.
+    fn checkpoint(&mut self, scene: &Scene, solution: &Solution, warn: impl FnOnce(&str)) {
+        if let Err(error) = self.save(scene, solution) {
+            warn(&format!("compute: warning: no checkpoint: {error:#}"));
         }
     }
 

@@ -28,15 +28,15 @@ pub(super) struct TwoLevels {
     solution: Solution,
     result: anyhow::Result<StoppedBy>,
     report: SourcesReport,
-    /// Of these sources' rows; hemicubes and time those of all that were tried.
-    statistics: RowStatistics,
+    /// Of its sources.
+    rows: RowStatistics,
 }
 
 /// What a run has come to.
 pub(super) struct Solved {
     pub solution: Solution,
     pub result: anyhow::Result<StoppedBy>,
-    /// Where there are sources that are coarser than the patches, what is to be told of them and of their rows.
+    /// Where there are sources that are coarser than the patches, what is to be told of them, and their rows.
     pub sources: Option<(SourcesReport, RowStatistics)>,
 }
 
@@ -66,38 +66,69 @@ impl Run<'_> {
         let before = start.provenance.sources;
         let residual = start.provenance.residuals.last();
         let is_solved = residual.is_some_and(|&residual| residual <= self.settings.tolerance);
-        let gathering = before.filter(|before| before.is_gathering);
-        let goes_on_gathering = gathering.is_some() && (is_solved || is_enough);
-        let areas: Box<dyn Iterator<Item = f64>> = match self.settings.source_area {
-            _ if is_solved && before.is_none() => return Ok((Levels::One(start), None)),
-            SourceArea::Patches => return Ok((Levels::One(start), None)),
-            // No source is larger than all, and a file holds no infinity.
-            SourceArea::AtMost(area) => Box::new(std::iter::once(area.min(scene.area()))),
-            SourceArea::Auto => match gathering {
-                Some(gathering) => Box::new(std::iter::once(gathering.max_area)),
-                None if scene.patch_count() <= two_levels::MOST_ON_ONE_LEVEL => {
-                    return Ok((Levels::One(start), None));
-                }
-                None => Box::new(two_levels::areas_to_try(scene)),
-            },
-        };
-        let is_trying = self.settings.source_area == SourceArea::Auto && gathering.is_none();
-        if is_trying {
-            // What an earlier run tells of is not of the first sources to be tried.
-            start.provenance.residuals.clear();
-            start.provenance.sources = None;
-        }
-        if is_trying || gathering.is_some() && !goes_on_gathering {
+        if let Some(gathering) = before.filter(|before| before.is_gathering) {
+            if is_solved || is_enough {
+                let sources = two_levels::sources(scene, gathering.max_area);
+                let levels = TwoLevels {
+                    report: SourcesReport::new(sources.patch_count(), gathering.max_area),
+                    result: Ok(if is_solved {
+                        StoppedBy::Tolerance
+                    } else {
+                        StoppedBy::Iterations
+                    }),
+                    rows: RowStatistics::default(),
+                    solution: start,
+                };
+                return Ok((Levels::Two(Box::new(levels)), Some(sources)));
+            }
             start.unfinished = None;
         }
-        let fresh = start.provenance.clone();
-        let mut drawn = RowStatistics::default();
+        match self.settings.source_area {
+            _ if is_solved && before.is_none() => {}
+            SourceArea::AtMost(area) => {
+                // No source is larger than all, and a file holds no infinity.
+                let area = area.min(scene.area());
+                let sources = two_levels::sources(scene, area);
+                if sources.patch_count() < scene.patch_count() {
+                    let levels = self.solve_on(scene, &sources, area, start, None)?;
+                    return Ok((Levels::Two(Box::new(levels)), Some(sources)));
+                }
+            }
+            SourceArea::Auto if scene.patch_count() > two_levels::MOST_ON_ONE_LEVEL => {
+                return self.try_sources(scene, start);
+            }
+            SourceArea::Auto | SourceArea::Patches => {}
+        }
+        if start.provenance.sources.take().is_some() {
+            start.unfinished = None;
+        }
+        Ok((Levels::One(start), None))
+    }
+
+    /// Solves among finer and finer sources until the error that they bring is small.
+    fn try_sources(
+        &mut self,
+        scene: &Scene,
+        mut start: Solution,
+    ) -> anyhow::Result<(Levels, Option<Scene>)> {
+        // What is known of a solution among some sources is not so among others, but for its irradiances.
+        start.provenance.residuals.clear();
+        start.provenance.sources = None;
+        let provenance = start.provenance.clone();
+        let irradiances_of = |solution: Solution| Solution {
+            irradiance: solution.irradiance,
+            provenance: provenance.clone(),
+            unfinished: None,
+            unshot: None,
+            remainder: None,
+        };
+        start = irradiances_of(start);
         // How many sources were tried before, and patches with their irradiances.
         let mut coarser: Option<(u32, Vec<Rgb>)> = None;
-        for area in areas {
+        for area in two_levels::areas_to_try(scene) {
             let sources = two_levels::sources(scene, area);
             let count = sources.patch_count();
-            if count == scene.patch_count() || is_trying && count > scene.patch_count() / 2 {
+            if count > scene.patch_count() / 2 {
                 break;
             }
             if let Some((before, _)) = coarser
@@ -105,37 +136,15 @@ impl Run<'_> {
             {
                 continue;
             }
-            if goes_on_gathering {
-                let levels = TwoLevels {
-                    report: SourcesReport::new(count, area),
-                    result: Ok(if is_solved {
-                        StoppedBy::Tolerance
-                    } else {
-                        StoppedBy::Iterations
-                    }),
-                    statistics: drawn,
-                    solution: start,
-                };
-                return Ok((Levels::Two(Box::new(levels)), Some(sources)));
-            }
             let coarser_irradiance = coarser.as_ref().map(|(_, irradiance)| &irradiance[..]);
-            let mut levels = self.solve_on(scene, &sources, area, start, coarser_irradiance)?;
-            levels.statistics = levels.statistics.with_drawing_of(&drawn);
-            drawn = levels.statistics;
+            let levels = self.solve_on(scene, &sources, area, start, coarser_irradiance)?;
             let error = levels.report.estimated_error;
             let is_good = error.is_some_and(|error| error <= two_levels::MOST_ERROR);
-            if levels.is_stopped() || is_good || !is_trying {
+            if levels.is_stopped() || is_good {
                 return Ok((Levels::Two(Box::new(levels)), Some(sources)));
             }
             coarser = Some((count, levels.solution.irradiance.clone()));
-            start = Solution {
-                provenance: fresh.clone(),
-                unfinished: None,
-                ..levels.solution
-            };
-        }
-        if start.provenance.sources.take().is_some() {
-            start.unfinished = None;
+            start = irradiances_of(levels.solution);
         }
         Ok((Levels::One(start), None))
     }
@@ -158,7 +167,7 @@ impl Run<'_> {
         let mut levels = TwoLevels {
             report: SourcesReport::new(sources.patch_count(), area),
             result,
-            statistics: rows.statistics(),
+            rows: RowStatistics::default(),
             solution: on_sources.snapshot(),
         };
         if let Some(coarser) = coarser
@@ -166,9 +175,16 @@ impl Run<'_> {
         {
             let irradiance = on_sources.among_sources().irradiance;
             let coarser = two_levels::restricted(scene, sources, coarser);
-            let error = two_levels::estimated_error(sources, &mut rows, &irradiance, &coarser)?;
-            levels.report.estimated_error = Some(error);
+            match two_levels::estimated_error(sources, &mut rows, &irradiance, &coarser) {
+                Ok(Some(error)) => levels.report.estimated_error = Some(error),
+                Ok(None) => levels.result = Ok(StoppedBy::Interrupt),
+                Err(error) => levels.result = Err(error.into()),
+            }
         }
+        levels.rows = rows.statistics();
+        self.drawn_before = self.drawn_before.with_drawing_of(&levels.rows);
+        // What comes next may fail before there is anything else to write.
+        self.checkpoint(scene, &levels.solution, |warning| eprintln!("{warning}"));
         Ok(levels)
     }
 
@@ -203,7 +219,7 @@ impl Run<'_> {
             mut solution,
             mut result,
             mut report,
-            statistics,
+            rows: rows_of_sources,
         } = levels;
         if !is_stopped {
             let mut gather = GatherOnce::new(scene, sources, solution);
@@ -218,7 +234,7 @@ impl Run<'_> {
         Solved {
             solution,
             result,
-            sources: Some((report, statistics)),
+            sources: Some((report, rows_of_sources)),
         }
     }
 }

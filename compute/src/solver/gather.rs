@@ -26,7 +26,7 @@ use super::{Solver, Step};
 use crate::compact_rows::{Channels, CompactRows, Gatherer};
 use crate::problem::Problem;
 use crate::row_cache::RowCache;
-use crate::rows::{BackendError, UNITS_PER_ONE};
+use crate::rows::BackendError;
 
 /// When a patch's new radiosity is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -113,7 +113,7 @@ impl Gather {
                 let batch = batches.partition_point(|b| b.patches().end as usize <= patch);
                 let batch = batches[batch];
                 let row = batch.row(patch - batch.patches().start as usize);
-                (gatherer.gather(row, radiosity) / f64::from(UNITS_PER_ONE)).as_vec3()
+                gatherer.irradiance(row, radiosity)
             });
         self.next.par_extend(irradiance);
     }
