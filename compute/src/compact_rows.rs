@@ -241,12 +241,15 @@ impl Encoder {
                 }
             } else {
                 let step = f64::from(step(storage));
+                // Exact, since it is a power of two.
+                let per_step = 1.0 / step;
                 for entry in block {
                     let exactly = f64::from(entry.units);
                     // At most a step more or less: what large entries leave out is not put on a small one.
                     let wanted = exactly + f64::clamp(left_out, -step, step);
-                    let steps = (wanted / step).round().clamp(1.0, f64::from(u16::MAX));
-                    left_out += exactly - steps * step;
+                    // To the nearest; a cast makes 0 of what is negative.
+                    let steps = ((wanted * per_step + 0.5) as u32).clamp(1, u16::MAX.into());
+                    left_out += exactly - f64::from(steps) * step;
                     self.numbers.push(steps as u16);
                 }
             }

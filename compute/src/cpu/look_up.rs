@@ -95,6 +95,15 @@ impl LookUp {
         );
     }
 
+    /// Takes what is not of some regions, ascending, for nothing.
+    pub fn leave_out_all_but(&mut self, projection: &Projection, regions: &[u32]) {
+        for (way, piece) in self.ways.iter_mut().zip(&projection.pieces) {
+            if regions.binary_search(&piece.region).is_err() {
+                *way = Way::Constant(self.nothing);
+            }
+        }
+    }
+
     /// Patch IDs of row j, whose pixels see `pieces`.
     pub fn row(
         &mut self,

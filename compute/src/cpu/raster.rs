@@ -19,6 +19,7 @@ use scene::SurfaceId;
 use super::look_up::LookUp;
 use super::outside;
 use super::projection::{Edge, Projection, over_pixels};
+use super::runs::for_each_run;
 use crate::hemicube::Window;
 
 /// Front faces are drawn this much too large, in pixels, so that a ray through an edge or a corner
@@ -118,11 +119,37 @@ impl Raster {
         projection: &Projection,
         nothing: u32,
         back_face: u32,
+        take: impl FnMut(usize, &[u32]),
+    ) {
+        self.look_up_rows(projection, None, nothing, back_face, take);
+    }
+
+    /// Hands out row by row the patch IDs of pixels that see fronts of some regions, ascending; all others have
+    /// `nothing`. What else is seen costs no look-up.
+    pub fn for_each_row_of(
+        &mut self,
+        projection: &Projection,
+        regions: &[u32],
+        nothing: u32,
+        take: impl FnMut(usize, &[u32]),
+    ) {
+        self.look_up_rows(projection, Some(regions), nothing, nothing, take);
+    }
+
+    fn look_up_rows(
+        &mut self,
+        projection: &Projection,
+        regions: Option<&[u32]>,
+        nothing: u32,
+        back_face: u32,
         mut take: impl FnMut(usize, &[u32]),
     ) {
         let Some(window) = self.window else { return };
         let stride = window.width + PADDING;
         self.look_up.start(projection, &window, nothing, back_face);
+        if let Some(regions) = regions {
+            self.look_up.leave_out_all_but(projection, regions);
+        }
         for (j, pieces) in self.pieces.chunks_exact(stride).enumerate() {
             let ids = self
                 .look_up
@@ -131,19 +158,17 @@ impl Raster {
         }
     }
 
-    /// Hands out the runs of pixels of the last picture that see anything: row, pixels.
+    /// Hands out the runs of pixels of the last picture that see a piece: row, pixels.
     pub fn for_each_covered_run(&self, mut take: impl FnMut(usize, Range<usize>)) {
         let Some(window) = self.window else { return };
         let stride = window.width + PADDING;
         for (j, row) in self.pieces.chunks_exact(stride).enumerate() {
-            let mut start = 0;
-            for run in row[..window.width].chunk_by(|a, b| (*a == NONE) == (*b == NONE)) {
-                let end = start + run.len();
-                if run[0] != NONE {
+            let row = &row[..window.width];
+            dispatch!(self.level, simd => for_each_run(simd, row, #[inline(always)] |piece, start, end| {
+                if piece != NONE {
                     take(j, start..end);
                 }
-                start = end;
-            }
+            }));
         }
     }
 

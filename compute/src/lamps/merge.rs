@@ -11,6 +11,24 @@ pub(super) fn is_in(ranges: &[Range<u32>], patch: u32) -> bool {
     after > 0 && ranges[after - 1].contains(&patch)
 }
 
+/// The parts of a row between some ascending ranges of patches.
+fn unreplaced<'r>(
+    mut row: &'r [Entry],
+    replaced: &[Range<u32>],
+) -> impl Iterator<Item = &'r [Entry]> {
+    replaced
+        .iter()
+        .cloned()
+        .chain(std::iter::once(u32::MAX..u32::MAX))
+        .map(move |range| {
+            let end = row.partition_point(|entry| entry.patch < range.start);
+            let next = row.partition_point(|entry| entry.patch < range.end);
+            let part = &row[..end];
+            row = &row[next..];
+            part
+        })
+}
+
 /// The row with the lamps' entries replaced, all others scaled to keep the sum, in patch order. `None`
 /// where the hemicube sees nothing else that could take or give the difference.
 pub(super) fn merge(row: &[Entry], unseen: Unseen, seen: &Seen) -> Option<(Vec<Entry>, Unseen)> {
@@ -27,11 +45,9 @@ pub(super) fn merge(row: &[Entry], unseen: Unseen, seen: &Seen) -> Option<(Vec<E
         })
         .filter(|entry| entry.units > 0.0)
         .collect();
-    let sum = |entries: &mut dyn Iterator<Item = &Entry>| -> f64 {
-        entries.map(|entry| f64::from(entry.units)).sum()
-    };
-    let lamp_units = sum(&mut lamps.iter());
-    let others = sum(&mut row.iter().filter(|e| !is_in(&seen.replaced, e.patch)))
+    let sum = |entries: &[Entry]| -> f64 { entries.iter().map(|e| f64::from(e.units)).sum() };
+    let lamp_units = sum(&lamps);
+    let others: f64 = unreplaced(row, &seen.replaced).map(sum).sum::<f64>()
         + f64::from(unseen.open)
         + f64::from(unseen.back_face);
     if others <= 0.0 || lamp_units > one {
@@ -39,17 +55,17 @@ pub(super) fn merge(row: &[Entry], unseen: Unseen, seen: &Seen) -> Option<(Vec<E
     }
     let scale = (one - lamp_units) / others;
     let mut merged = Vec::with_capacity(row.len() + lamps.len());
-    let mut lamps = lamps.into_iter().peekable();
-    for entry in row.iter().filter(|e| !is_in(&seen.replaced, e.patch)) {
-        while let Some(lamp) = lamps.next_if(|lamp| lamp.patch < entry.patch) {
-            merged.push(lamp);
-        }
-        merged.push(Entry {
+    let mut lamps = &lamps[..];
+    for part in unreplaced(row, &seen.replaced).filter(|part| !part.is_empty()) {
+        let before = lamps.partition_point(|lamp| lamp.patch < part[0].patch);
+        merged.extend_from_slice(&lamps[..before]);
+        lamps = &lamps[before..];
+        merged.extend(part.iter().map(|entry| Entry {
             units: (f64::from(entry.units) * scale) as f32,
             ..*entry
-        });
+        }));
     }
-    merged.extend(lamps);
+    merged.extend_from_slice(lamps);
     let unseen = Unseen {
         open: (f64::from(unseen.open) * scale).round() as u32,
         back_face: (f64::from(unseen.back_face) * scale).round() as u32,

@@ -185,8 +185,7 @@ impl<'a> LampViewer<'a> {
         let mut whole = 0.0;
         self.raster.draw(&self.lamp_alone, &piece.window);
         self.raster.for_each_covered_run(|j, run| {
-            let run = row(j) + run.start..row(j) + run.end;
-            whole += self.weights[run].iter().sum::<f64>();
+            whole += sum(&self.weights[row(j) + run.start..row(j) + run.end]);
         });
         if whole <= 0.0 {
             return false;
@@ -195,20 +194,35 @@ impl<'a> LampViewer<'a> {
         let scale = share * piece.form_factor / whole;
         let first = seen.factors.len();
         let factors = &mut seen.factors;
+        let regions = &lamp.regions;
         self.raster
-            .for_each_row(&self.all_surfaces, u32::MAX, u32::MAX, |j, ids| {
-                for (&id, &weight) in ids.iter().zip(&self.weights[row(j)..]) {
-                    if !is_in(&lamp.patches, id) {
-                        continue;
+            .for_each_row_of(&self.all_surfaces, regions, u32::MAX, |j, ids| {
+                let mut start = row(j);
+                for run in ids.chunk_by(|a, b| a == b) {
+                    let (id, end) = (run[0], start + run.len());
+                    // The lamp's regions may hold other surfaces too.
+                    if id != u32::MAX && is_in(&lamp.patches, id) {
+                        let factor = scale * sum(&self.weights[start..end]);
+                        match factors[first..].last_mut() {
+                            Some((patch, sum)) if *patch == id => *sum += factor,
+                            _ => factors.push((id, factor)),
+                        }
                     }
-                    match factors[first..].last_mut() {
-                        Some((patch, sum)) if *patch == id => *sum += scale * weight,
-                        _ => factors.push((id, scale * weight)),
-                    }
+                    start = end;
                 }
             });
         true
     }
+}
+
+/// Every fourth number is added up by itself, since one sum would wait for itself.
+fn sum(weights: &[f64]) -> f64 {
+    let fours = weights.chunks_exact(4);
+    let rest: f64 = fours.remainder().iter().sum();
+    let sums = fours.fold([0.0; 4], |sums: [f64; 4], four| {
+        std::array::from_fn(|k| sums[k] + four[k])
+    });
+    sums.iter().sum::<f64>() + rest
 }
 
 /// Plane polygons in a frame, relative to its eye, metres.
