@@ -85,8 +85,8 @@ struct Arguments {
         ("auto", LampViews::Auto), ("off", LampViews::Off), ("all", LampViews::All)]))]
     lamps: LampViews,
     /// Join patches to sources of at most A m^2, solve among these, then let each patch gather from them: patches
-    /// (one level), auto (coarse sources in scenes of more than 65536 patches, with an error of at most 0.5
-    /// percent), or A
+    /// (one level), auto (in scenes of more than 65536 patches sources as coarse as an estimated error of 0.5
+    /// percent allows), or A
     #[arg(long, default_value = "auto", value_name = "A", value_parser = parse_source_area)]
     source_area: SourceArea,
     /// Stop after N iterations, those that IN has had included
