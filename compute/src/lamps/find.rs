@@ -12,7 +12,7 @@ use crate::cpu::{Drawable, is_in_plane, reach};
 pub(super) struct Lamp {
     /// In their order.
     pub surfaces: Vec<SurfaceId>,
-    /// Those that they are drawn in, ascending.
+    /// Those that they, and nothing else, are drawn in, ascending.
     pub regions: Vec<u32>,
     /// Their patches, as ascending ranges.
     pub patches: Vec<Range<u32>>,

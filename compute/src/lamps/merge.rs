@@ -5,12 +5,6 @@ use std::ops::Range;
 use super::view::Seen;
 use crate::rows::{Entry, UNITS_PER_ONE, Unseen};
 
-/// True where one of the ascending ranges holds the patch.
-pub(super) fn is_in(ranges: &[Range<u32>], patch: u32) -> bool {
-    let after = ranges.partition_point(|range| range.start <= patch);
-    after > 0 && ranges[after - 1].contains(&patch)
-}
-
 /// The parts of a row between some ascending ranges of patches.
 fn unreplaced<'r>(
     mut row: &'r [Entry],

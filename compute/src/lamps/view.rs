@@ -7,7 +7,7 @@ use glam::DVec3;
 use scene::{PatchId, Scene, SurfaceId};
 
 use super::find::Lamp;
-use super::merge::{is_in, merge};
+use super::merge::merge;
 use super::piece::{Piece, pieces};
 use crate::cpu::{Cull, Projection, Raster, is_in_plane, reach};
 use crate::hemicube::Frame;
@@ -196,12 +196,11 @@ impl<'a> LampViewer<'a> {
         let factors = &mut seen.factors;
         let regions = &lamp.regions;
         self.raster
-            .for_each_row_of(&self.all_surfaces, regions, u32::MAX, |j, ids| {
+            .for_each_row_of(&self.all_surfaces, regions, NO_LAMP, |j, ids| {
                 let mut start = row(j);
                 for run in ids.chunk_by(|a, b| a == b) {
                     let (id, end) = (run[0], start + run.len());
-                    // The lamp's regions may hold other surfaces too.
-                    if id != u32::MAX && is_in(&lamp.patches, id) {
+                    if id != NO_LAMP {
                         let factor = scale * sum(&self.weights[start..end]);
                         match factors[first..].last_mut() {
                             Some((patch, sum)) if *patch == id => *sum += factor,
@@ -214,6 +213,9 @@ impl<'a> LampViewer<'a> {
         true
     }
 }
+
+/// What a view's pixel has that does not see the lamp.
+const NO_LAMP: u32 = u32::MAX;
 
 /// Every fourth number is added up by itself, since one sum would wait for itself.
 fn sum(weights: &[f64]) -> f64 {
