@@ -12,8 +12,8 @@ use clap::{Args, CommandFactory, Parser, Subcommand};
 use crate::hemicube::MAX_RESOLUTION;
 use crate::quantity::{parse_duration, parse_size};
 use crate::settings::{
-    BackendChoice, FormFactorSettings, LampViews, Maps, Points, Settings, SolverChoice, SourceArea,
-    Turns,
+    BackendChoice, ClosedForms, FormFactorSettings, LampViews, Maps, Points, Settings,
+    SolverChoice, SourceArea, Turns,
 };
 
 /// Solves a scene by hemicube radiosity.
@@ -84,6 +84,11 @@ struct Arguments {
     #[arg(long, default_value = "auto", value_parser = choice(&[
         ("auto", LampViews::Auto), ("off", LampViews::Off), ("all", LampViews::All)]))]
     lamps: LampViews,
+    /// Form factors by formula instead of hemicubes: auto (with --backend auto, in convex rooms in which nothing
+    /// hides anything, where that is faster), or off
+    #[arg(long, default_value = "auto", value_parser = choice(&[
+        ("auto", ClosedForms::Auto), ("off", ClosedForms::Off)]))]
+    closed_forms: ClosedForms,
     /// Join patches to sources of at most A m^2, solve among these, then let each patch gather from them: patches
     /// (one level), auto (in scenes of more than 65536 patches sources as coarse as an estimated error of 0.5
     /// percent allows), or A
@@ -180,6 +185,7 @@ fn settings(arguments: Arguments) -> Settings {
             turns: arguments.seed,
         },
         lamps: arguments.lamps,
+        closed_forms: arguments.closed_forms,
         source_area: arguments.source_area,
         backend: arguments.backend,
         solver: arguments.solver,

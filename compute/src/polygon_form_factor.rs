@@ -20,20 +20,20 @@ pub fn point_to_triangle(corners: [DVec3; 3]) -> f64 {
 pub fn point_to_polygon(corners: &[DVec3]) -> f64 {
     let count = corners.len();
     let sum: f64 = (0..count)
-        .map(|k| edge_term(corners[k], corners[(k + 1) % count]))
+        .map(|k| edge_term(corners[k], corners[(k + 1) % count], DVec3::Z))
         .sum();
     sum.abs() / TAU
 }
 
-/// G . n of one edge.
-fn edge_term(p: DVec3, q: DVec3) -> f64 {
+/// G . n of one edge, its ends relative to the point.
+pub fn edge_term(p: DVec3, q: DVec3, normal: DVec3) -> f64 {
     let cross = p.cross(q);
     let sin = cross.length();
     // An edge whose line passes the point: it turns about nothing.
     if sin == 0.0 {
         return 0.0;
     }
-    sin.atan2(p.dot(q)) * cross.z / sin
+    sin.atan2(p.dot(q)) * cross.dot(normal) / sin
 }
 
 /// The part of a convex polygon on the side of a plane through the point to which `normal` points, at most

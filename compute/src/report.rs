@@ -16,7 +16,7 @@ use crate::certificate::Certificate;
 use crate::quantity::{show_duration, show_size};
 use crate::row_cache::RowCache;
 use crate::rows::UNITS_PER_ONE;
-use crate::settings::{LampViews, Maps, Settings, SolverChoice};
+use crate::settings::{ClosedForms, LampViews, Maps, Settings, SolverChoice};
 use crate::solver::convergence::Convergence;
 
 /// Why a run ended.
@@ -114,6 +114,8 @@ pub struct SettingsReport {
     pub seed: String,
     /// Views of lamps.
     pub lamps: LampViews,
+    /// Formulas.
+    pub closed_forms: ClosedForms,
     /// How coarse sources were to be.
     pub source_area: String,
     /// Solver.
@@ -420,6 +422,7 @@ impl SettingsReport {
             points: settings.form_factors.points.to_string(),
             seed: settings.form_factors.turns.to_string(),
             lamps: settings.lamps,
+            closed_forms: settings.closed_forms,
             source_area: settings.source_area.to_string(),
             solver: settings.solver,
             tolerance: settings.tolerance,

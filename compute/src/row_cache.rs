@@ -245,7 +245,14 @@ impl<'a> RowCache<'a> {
     /// Draws the rows of consecutive patches that somebody needs; the others are empty.
     fn draw(&mut self, patches: Range<u32>) -> Result<RowBatch, BackendError> {
         let unlit = &self.unlit[patches.start as usize..patches.end as usize];
-        let number = |patch| self.hemicubes.first(PatchId(patch));
+        let has_hemicubes = self.source.draws_hemicubes();
+        let number = |patch| {
+            if has_hemicubes {
+                self.hemicubes.first(PatchId(patch))
+            } else {
+                0
+            }
+        };
         if !unlit.contains(&true) {
             self.statistics.hemicubes += number(patches.end) - number(patches.start);
             return self.source.draw_rows(patches);

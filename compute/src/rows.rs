@@ -82,7 +82,7 @@ impl RowBatch {
     }
 }
 
-/// Something that draws hemicubes and makes form factor rows of them: a back end.
+/// Something that makes form factor rows, of hemicubes as a rule: a back end.
 pub trait RowSource: Send {
     /// Draws the rows of consecutive patches, which all exist.
     fn draw_rows(&mut self, patches: Range<u32>) -> Result<RowBatch, BackendError>;
@@ -92,6 +92,11 @@ pub trait RowSource: Send {
 
     /// What it is, for people: "cpu, 2 threads" or an adapter's name.
     fn describe(&self) -> String;
+
+    /// False where the rows are formulas, see [`crate::convex`].
+    fn draws_hemicubes(&self) -> bool {
+        true
+    }
 }
 
 /// Why a back end cannot go on.

@@ -11,6 +11,7 @@ use scene::file::{self, OutputLock};
 use scene::{Scene, Solution};
 
 use crate::backend::{self, Backend};
+use crate::convex::ConvexRows;
 use crate::cpu::Drawable;
 use crate::hemicubes::Hemicubes;
 use crate::lamps::with_lamps;
@@ -19,7 +20,7 @@ use crate::progress::{Position, Progress};
 use crate::quantity::show_size;
 use crate::report::{self, BackendReport, Report, RowsReport, Seconds, SettingsReport, StoppedBy};
 use crate::row_cache::{RowCache, RowStatistics};
-use crate::settings::{Settings, SolverChoice, SourceArea};
+use crate::settings::{BackendChoice, ClosedForms, Settings, SolverChoice, SourceArea};
 use crate::solver::convergence::Convergence;
 use crate::solver::{Gather, Shoot, Solver, Update, ambient_radiosity};
 use crate::{certificate, form_factors_csv, interrupt, two_levels, unlit, view_factors};
@@ -179,6 +180,11 @@ impl<'a> Run<'a> {
         memory_bytes: u64,
     ) -> anyhow::Result<(&'static str, RowCache<'s>)> {
         let opening = Instant::now();
+        if let Some(source) = self.closed_forms(hemicubes) {
+            self.seconds.open += opening.elapsed().as_secs_f64();
+            let rows = RowCache::new(hemicubes, Box::new(source), memory_bytes);
+            return Ok(("cpu", rows));
+        }
         let Backend {
             name,
             source,
@@ -192,6 +198,14 @@ impl<'a> Run<'a> {
         }
         let source = with_lamps(hemicubes, self.settings.lamps, source);
         Ok((name, RowCache::new(hemicubes, source, memory_bytes)))
+    }
+
+    /// Rows that are formulas, where they may be.
+    fn closed_forms<'s>(&self, hemicubes: &Arc<Hemicubes<'s>>) -> Option<ConvexRows<'s>> {
+        let settings = self.settings;
+        let are_wanted =
+            settings.closed_forms == ClosedForms::Auto && settings.backend == BackendChoice::Auto;
+        are_wanted.then(|| ConvexRows::new(hemicubes)).flatten()
     }
 
     /// Writes the form factors and the view factors between patches that were asked for.
@@ -391,8 +405,12 @@ fn describe(settings: &Settings, scene: &Scene) -> String {
         }
         area => format!(", sources {area}"),
     };
+    let closed_forms = match settings.closed_forms {
+        ClosedForms::Auto => "",
+        ClosedForms::Off => ", no closed forms",
+    };
     format!(
-        "{}, {} pixels, {:?} maps, points {}, seed {}, lamps {:?}{sources}",
+        "{}, {} pixels, {:?} maps, points {}, seed {}, lamps {:?}{sources}{closed_forms}",
         settings.solver,
         form_factors.resolution,
         form_factors.maps,

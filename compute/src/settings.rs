@@ -89,6 +89,16 @@ pub enum LampViews {
     All,
 }
 
+/// Whether form factors are formulas where they can be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ClosedForms {
+    /// Where nothing hides anything and they cost less than hemicubes, see [`crate::convex`].
+    Auto,
+    /// Never: hemicubes alone.
+    Off,
+}
+
 /// Which back end draws the hemicubes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -181,6 +191,8 @@ pub struct Settings {
     pub form_factors: FormFactorSettings,
     /// Which lamps get a view of their own.
     pub lamps: LampViews,
+    /// Whether form factors are formulas where they can be; a back end that was asked for draws.
+    pub closed_forms: ClosedForms,
     /// How coarse sources are.
     pub source_area: SourceArea,
     /// Who draws.

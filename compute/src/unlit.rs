@@ -8,15 +8,13 @@
 //! nothing that is left out.
 //!
 //! # Practice
-//! The flood goes over regions ([`crate::cpu::regions`]), of which there are few. In front is what is so by more
-//! than half the rounding that item buffers allow ([`crate::cpu::is_in_plane`]): nearer than that they draw
-//! nothing. Emitters keep their rows, since they tell how much light leaves the scene, and are shot. Left out
+//! The flood goes over regions ([`crate::cpu::regions`]), of which there are few. Emitters keep their rows, since they tell how much light leaves the scene, and are shot. Left out
 //! is what has no light in the state that a run starts from either, so that no bit of any iteration changes.
 
-use glam::DVec3;
-use scene::{Rgb, Scene, Solution};
+use scene::{Rgb, Solution};
 
-use crate::cpu::{COORDINATE_ULPS, Drawable};
+use crate::cpu::Drawable;
+use crate::faces::faces;
 use crate::hemicubes::Hemicubes;
 
 /// The most products of a corner with a plane, a fraction of a second's; if they do not do, all is taken to be lit.
@@ -50,8 +48,13 @@ fn is_dark(solution: &Solution, patches: &[bool]) -> bool {
 
 /// True for each region that emits or that light can reach; `None` where it would take too long to tell.
 fn lit_regions(drawable: &Drawable) -> Option<Vec<bool>> {
-    let faces = faces(drawable);
-    let mut lit: Vec<bool> = faces.iter().map(|face| face.emits).collect();
+    let (faces, scene) = (faces(drawable), drawable.scene());
+    let regions = drawable.regions().regions();
+    let material = |region: usize| {
+        let surface = scene.surface(regions[region].surfaces[0]);
+        scene.material(surface.material)
+    };
+    let mut lit: Vec<bool> = (0..faces.len()).map(|k| material(k).is_emitter()).collect();
     let mut senders: Vec<usize> = (0..faces.len()).filter(|&k| lit[k]).collect();
     let mut unlit: Vec<usize> = (0..faces.len()).filter(|&k| !lit[k]).collect();
     let mut products = 0;
@@ -62,7 +65,7 @@ fn lit_regions(drawable: &Drawable) -> Option<Vec<bool>> {
             let is_reached = sender.sees(&faces[k]);
             if is_reached {
                 lit[k] = true;
-                if faces[k].reflects {
+                if material(k).reflectance.max_element() > 0.0 {
                     senders.push(k);
                 }
             }
@@ -73,56 +76,4 @@ fn lit_regions(drawable: &Drawable) -> Option<Vec<bool>> {
         }
     }
     Some(lit)
-}
-
-/// A region and its plane.
-struct Face {
-    /// Unit vector.
-    normal: DVec3,
-    /// A point of the plane, metres.
-    through: DVec3,
-    /// Metres.
-    corners: Vec<DVec3>,
-    /// How far from the plane is in it, at most, metres.
-    tolerance: f64,
-    emits: bool,
-    reflects: bool,
-}
-
-impl Face {
-    fn sees(&self, other: &Self) -> bool {
-        self.has_in_front(other) && other.has_in_front(self)
-    }
-
-    /// True where a part of the other one is in front of this one's plane.
-    fn has_in_front(&self, other: &Self) -> bool {
-        let height = |p: &DVec3| (p - self.through).dot(self.normal);
-        other.corners.iter().any(|p| height(p) > self.tolerance)
-    }
-}
-
-/// One per region.
-fn faces(drawable: &Drawable) -> Vec<Face> {
-    let (scene, regions): (&Scene, _) = (drawable.scene(), drawable.regions());
-    let face = |region: &crate::cpu::regions::Region| {
-        let pieces = region.pieces.clone();
-        let corners: Vec<DVec3> = pieces
-            .flat_map(|piece| regions.corners(piece as usize))
-            .map(|&vertex| regions.vertices()[vertex as usize].as_dvec3())
-            .collect();
-        let reach = corners
-            .iter()
-            .fold(DVec3::ZERO, |most, p| most.max(p.abs()));
-        let rounding = COORDINATE_ULPS * region.normal.abs().dot(reach);
-        let material = scene.material(scene.surface(region.surfaces[0]).material);
-        Face {
-            normal: region.normal,
-            through: region.reference[0],
-            corners,
-            tolerance: 0.5 * rounding.min(drawable.plane_tolerance()),
-            emits: material.is_emitter(),
-            reflects: material.reflectance.max_element() > 0.0,
-        }
-    };
-    regions.regions().iter().map(face).collect()
 }
