@@ -234,7 +234,14 @@ impl<'a> Run<'a> {
     /// The state to go on from: the file's own where it was made with the same settings, else its
     /// irradiances alone.
     fn start_from(&self, scene: &Scene, solution: Option<Solution>) -> Solution {
-        let description = describe(self.settings, scene);
+        let mut description = describe(self.settings, scene);
+        let on_one_level = format!("{description}{}", levels::ONE_LEVEL);
+        if solution
+            .as_ref()
+            .is_some_and(|s| s.provenance.settings == on_one_level)
+        {
+            description = on_one_level;
+        }
         let fresh = solution.is_none();
         let mut solution = solution.unwrap_or_else(|| Solution::dark(scene));
         if !fresh && solution.provenance.settings != description {
@@ -275,7 +282,7 @@ impl<'a> Run<'a> {
                     "radiosities are beyond what f32 holds, 3e38 W/m^2; lower the emission"
                 );
             }
-            if goal == Goal::Convergence {
+            if goal != Goal::OnePass {
                 if solver.residual().is_some_and(|r| r <= settings.tolerance) {
                     break StoppedBy::Tolerance;
                 }
@@ -315,7 +322,10 @@ impl<'a> Run<'a> {
                 hemicubes: statistics.hemicubes,
                 drawing: statistics.duration,
             });
-            if last_checkpoint.elapsed() >= settings.checkpoint_every.max(MIN_CHECKPOINT_INTERVAL) {
+            if goal != Goal::Again
+                && last_checkpoint.elapsed()
+                    >= settings.checkpoint_every.max(MIN_CHECKPOINT_INTERVAL)
+            {
                 self.checkpoint(scene, &solver.snapshot(), |warning| progress.say(warning));
                 last_checkpoint = Instant::now();
             }
@@ -376,6 +386,8 @@ fn shortage(statistics: &RowStatistics, rows: u32) -> Option<String> {
 enum Goal {
     /// Until the residual or the iterations are reached.
     Convergence,
+    /// The same once more, for what it tells: nothing is written.
+    Again,
     /// Until all patches have been gone through once.
     OnePass,
 }

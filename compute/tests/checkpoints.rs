@@ -2,6 +2,8 @@
 
 mod common;
 
+use std::path::Path;
+
 use std::thread::sleep;
 use std::time::Duration;
 
@@ -58,7 +60,38 @@ fn stopped_by_iterations_and_continued_is_as_never_stopped() {
     }
 }
 
-/// Runs of some milliseconds each, IN = OUT, on changing numbers of threads, until one is done.
+/// Solves `in.rad` into `part.rad` by runs of `limit_ms` milliseconds, IN = OUT, on changing numbers of threads, until
+/// one is done: how many, and how many that left an unfinished iteration.
+fn solve_in_parts(
+    folder: &Path,
+    resolution: &str,
+    settings: &[&str],
+    mut limit_ms: f64,
+) -> (usize, usize) {
+    let part = folder.join("part.rad");
+    std::fs::copy(folder.join("in.rad"), &part).unwrap();
+    let (mut runs, mut unfinished_runs) = (0, 0);
+    loop {
+        let before = std::fs::read(&part).unwrap();
+        let limit = format!("{limit_ms}ms");
+        let threads = ["1", "2", "5"][runs % 3];
+        let limits = ["--time-limit", &limit, "--threads", threads];
+        let arguments = [&["part.rad", "part.rad", resolution][..], settings, &limits].concat();
+        let output = solve(folder, &arguments);
+        runs += 1;
+        let solution = load(folder, "part.rad");
+        unfinished_runs += usize::from(solution.unfinished.is_some());
+        if !stdout(&output).contains("stopped by --time-limit") {
+            return (runs, unfinished_runs);
+        }
+        // On a busy machine loading the file may take all of the time.
+        if std::fs::read(&part).unwrap() == before {
+            limit_ms *= 1.5;
+        }
+        assert!(runs < 1000, "{limit_ms}");
+    }
+}
+
 #[test]
 fn stopped_by_time_in_mid_iteration_and_continued_is_as_never_stopped() {
     let folder = folder();
@@ -79,28 +112,7 @@ fn stopped_by_time_in_mid_iteration_and_continued_is_as_never_stopped() {
             );
             let whole = load(folder.path(), "whole.rad");
 
-            std::fs::copy(folder.path().join("in.rad"), folder.path().join("part.rad")).unwrap();
-            let mut limit_ms = 4.0;
-            let (mut runs, mut unfinished_runs) = (0, 0);
-            loop {
-                let before = std::fs::read(folder.path().join("part.rad")).unwrap();
-                let limit = format!("{limit_ms}ms");
-                let threads = ["1", "2", "5"][runs % 3];
-                let limits = ["--time-limit", &limit, "--threads", threads];
-                let arguments = [&["part.rad", "part.rad", "64"][..], &settings, &limits].concat();
-                let output = solve(folder.path(), &arguments);
-                runs += 1;
-                let solution = load(folder.path(), "part.rad");
-                unfinished_runs += usize::from(solution.unfinished.is_some());
-                if !stdout(&output).contains("stopped by --time-limit") {
-                    break;
-                }
-                // On a busy machine loading the file may take all of the time.
-                if std::fs::read(folder.path().join("part.rad")).unwrap() == before {
-                    limit_ms *= 1.5;
-                }
-                assert!(runs < 1000, "{limit_ms}");
-            }
+            let (runs, unfinished_runs) = solve_in_parts(folder.path(), "64", &settings, 4.0);
             println!("{solver}, {memory}: {runs} runs, {unfinished_runs} stopped in mid-iteration");
             assert!(runs > 1, "{solver}, {memory}: never stopped");
             assert!(
@@ -110,6 +122,25 @@ fn stopped_by_time_in_mid_iteration_and_continued_is_as_never_stopped() {
             let what = format!("{solver}, {memory}");
             assert_same(&load(folder.path(), "part.rad"), &whole, &what);
         }
+    }
+}
+
+/// More patches than are solved on one level by default: stopped while sources are solved, while the error that they
+/// bring is estimated, and while patches gather, or, with so few pixels that no sources are good enough, among the
+/// patches.
+#[test]
+fn stopped_among_sources_that_are_being_chosen_and_continued_is_as_never_stopped() {
+    let folder = folder();
+    save(folder.path(), "in.rad", &common::colourful_room(0.001));
+    for (resolution, tolerance) in [("8", "1e-2"), ("2", "1e-1")] {
+        let settings = ["--points", "centroid", "--tolerance", tolerance];
+        let whole = [&["in.rad", "whole.rad", resolution][..], &settings].concat();
+        let output = stdout(&solve(folder.path(), &whole));
+        let (runs, unfinished_runs) = solve_in_parts(folder.path(), resolution, &settings, 600.0);
+        println!("{resolution}: {runs} runs, {unfinished_runs} stopped in mid-iteration\n{output}");
+        assert!(runs > 2 && unfinished_runs > 0, "{resolution}");
+        let [whole, part] = ["whole.rad", "part.rad"].map(|name| load(folder.path(), name));
+        assert_same(&part, &whole, resolution);
     }
 }
 

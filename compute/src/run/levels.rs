@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use scene::{Rgb, Scene, Solution};
+use scene::{Provenance, Rgb, Scene, Solution};
 
 use super::{Goal, Run, solver};
 use crate::interrupt;
@@ -31,6 +31,38 @@ pub(super) struct TwoLevels {
     /// Of its sources.
     rows: RowStatistics,
 }
+
+/// What is known of coarser sources than those to be solved among.
+enum Coarser {
+    /// There are none.
+    None,
+    /// Their irradiances, one per patch.
+    Solved(Vec<Rgb>),
+    /// That an earlier run has solved among such of at most these areas, m^2, one after the other.
+    Earlier(Vec<f64>),
+}
+
+impl Coarser {
+    /// An earlier run has solved among these, too.
+    fn and_earlier(self, area: f64) -> Self {
+        let mut areas = match self {
+            Self::Earlier(areas) => areas,
+            Self::None | Self::Solved(_) => Vec::new(),
+        };
+        areas.push(area);
+        Self::Earlier(areas)
+    }
+}
+
+/// What solving once more has come to.
+enum Again {
+    /// Irradiances, one per patch.
+    Solved(Vec<Rgb>),
+    Stopped(StoppedBy),
+}
+
+/// In the settings of a solution: that no sources were good enough.
+pub(super) const ONE_LEVEL: &str = ", one level";
 
 /// What a run has come to.
 pub(super) struct Solved {
@@ -85,12 +117,13 @@ impl Run<'_> {
         }
         match self.settings.source_area {
             _ if is_solved && before.is_none() => {}
+            SourceArea::Auto if start.provenance.settings.ends_with(ONE_LEVEL) => {}
             SourceArea::AtMost(area) => {
                 // No source is larger than all, and a file holds no infinity.
                 let area = area.min(scene.area());
                 let sources = two_levels::sources(scene, area);
                 if sources.patch_count() < scene.patch_count() {
-                    let levels = self.solve_on(scene, &sources, area, start, None)?;
+                    let levels = self.solve_on(scene, &sources, area, start, Coarser::None)?;
                     return Ok((Levels::Two(Box::new(levels)), Some(sources)));
                 }
             }
@@ -105,59 +138,91 @@ impl Run<'_> {
         Ok((Levels::One(start), None))
     }
 
-    /// Solves among finer and finer sources until the error that they bring is small.
+    /// Solves among finer and finer sources until the error that they bring is small, from where the file is.
     fn try_sources(
         &mut self,
         scene: &Scene,
         mut start: Solution,
     ) -> anyhow::Result<(Levels, Option<Scene>)> {
-        // What is known of a solution among some sources is not so among others, but for its irradiances.
-        start.provenance.residuals.clear();
-        start.provenance.sources = None;
-        let provenance = start.provenance.clone();
-        let irradiances_of = |solution: Solution| Solution {
-            irradiance: solution.irradiance,
-            provenance: provenance.clone(),
-            unfinished: None,
-            unshot: None,
-            remainder: None,
-        };
-        start = irradiances_of(start);
-        // How many sources were tried before, and patches with their irradiances.
-        let mut coarser: Option<(u32, Vec<Rgb>)> = None;
+        let under_way = start.provenance.sources.map(|sources| sources.max_area);
+        let mut provenance = before_sources(&start.provenance);
+        if under_way.is_none() {
+            start = irradiances(start.irradiance, &provenance);
+        }
+        // How many sources were tried before, and what is known of them.
+        let mut before = None;
+        let mut coarser = Coarser::None;
         for area in two_levels::areas_to_try(scene) {
             let sources = two_levels::sources(scene, area);
             let count = sources.patch_count();
             if count > scene.patch_count() / 2 {
                 break;
             }
-            if let Some((before, _)) = coarser
-                && !two_levels::is_refinement(count, before)
-            {
+            if before.is_some_and(|before| !two_levels::is_refinement(count, before)) {
                 continue;
             }
-            let coarser_irradiance = coarser.as_ref().map(|(_, irradiance)| &irradiance[..]);
-            let levels = self.solve_on(scene, &sources, area, start, coarser_irradiance)?;
+            before = Some(count);
+            if under_way.is_some_and(|under_way| area > under_way) {
+                coarser = coarser.and_earlier(area);
+                continue;
+            }
+            let levels = self.solve_on(scene, &sources, area, start, coarser)?;
             let error = levels.report.estimated_error;
             let is_good = error.is_some_and(|error| error <= two_levels::MOST_ERROR);
             if levels.is_stopped() || is_good {
                 return Ok((Levels::Two(Box::new(levels)), Some(sources)));
             }
-            coarser = Some((count, levels.solution.irradiance.clone()));
-            start = irradiances_of(levels.solution);
+            coarser = Coarser::Solved(levels.solution.irradiance.clone());
+            start = irradiances(levels.solution.irradiance, &provenance);
         }
-        Ok((Levels::One(start), None))
+        provenance.settings.push_str(ONE_LEVEL);
+        Ok((
+            Levels::One(irradiances(start.irradiance, &provenance)),
+            None,
+        ))
     }
 
-    /// Solves among these sources, of at most `area`, m^2, and estimates what error they bring if `coarser`
-    /// irradiances, one per patch, are given.
+    /// The irradiances, one per patch, that one after the other of some sources comes to, as it did in an earlier run that
+    /// went on to `finer` ones. The output stays as it is.
+    fn solve_again(
+        &mut self,
+        scene: &Scene,
+        areas: &[f64],
+        finer: &Solution,
+    ) -> anyhow::Result<Again> {
+        let provenance = before_sources(&finer.provenance);
+        let mut irradiance = if provenance.iterations > 0 {
+            // What they began with is not known any more.
+            finer.irradiance.clone()
+        } else {
+            Solution::dark(scene).irradiance
+        };
+        for &area in areas {
+            let sources = two_levels::sources(scene, area);
+            let hemicubes = Arc::new(self.hemicubes(&sources, &sources));
+            let (_, mut rows) = self.rows(&hemicubes, self.settings.memory_bytes)?;
+            let make = |start| solver(self.settings.solver, &sources, start);
+            let start = irradiances(irradiance, &provenance);
+            let mut on_sources = OnSources::new(scene, &sources, area, start, make);
+            let stopped_by = self.iterate(scene, &mut on_sources, &mut rows, Goal::Again)?;
+            self.drawn_before = self.drawn_before.with_drawing_of(&rows.statistics());
+            if !is_end(stopped_by) {
+                return Ok(Again::Stopped(stopped_by));
+            }
+            irradiance = on_sources.snapshot().irradiance;
+        }
+        Ok(Again::Solved(irradiance))
+    }
+
+    /// Solves among these sources, of at most `area`, m^2, and estimates what error they bring if there are
+    /// `coarser` ones.
     fn solve_on(
         &mut self,
         scene: &Scene,
         sources: &Scene,
         area: f64,
         start: Solution,
-        coarser: Option<&[Rgb]>,
+        coarser: Coarser,
     ) -> anyhow::Result<TwoLevels> {
         let hemicubes = Arc::new(self.hemicubes(sources, sources));
         let (_, mut rows) = self.rows(&hemicubes, self.settings.memory_bytes)?;
@@ -170,11 +235,25 @@ impl Run<'_> {
             rows: RowStatistics::default(),
             solution: on_sources.snapshot(),
         };
-        if let Some(coarser) = coarser
-            && !levels.is_stopped()
-        {
+        let coarser = match coarser {
+            _ if levels.is_stopped() => None,
+            Coarser::None => None,
+            Coarser::Solved(irradiance) => Some(irradiance),
+            Coarser::Earlier(areas) => match self.solve_again(scene, &areas, &levels.solution) {
+                Ok(Again::Solved(irradiance)) => Some(irradiance),
+                Ok(Again::Stopped(stopped_by)) => {
+                    levels.result = Ok(stopped_by);
+                    None
+                }
+                Err(error) => {
+                    levels.result = Err(error);
+                    None
+                }
+            },
+        };
+        if let Some(coarser) = coarser {
             let irradiance = on_sources.among_sources().irradiance;
-            let coarser = two_levels::restricted(scene, sources, coarser);
+            let coarser = two_levels::restricted(scene, sources, &coarser);
             match two_levels::estimated_error(sources, &mut rows, &irradiance, &coarser) {
                 Ok(Some(error)) => levels.report.estimated_error = Some(error),
                 Ok(None) => levels.result = Ok(StoppedBy::Interrupt),
@@ -252,9 +331,34 @@ impl Levels {
 impl TwoLevels {
     /// True where something has stopped the sources' solver before its end.
     fn is_stopped(&self) -> bool {
-        !matches!(
-            self.result,
-            Ok(StoppedBy::Tolerance | StoppedBy::Iterations)
-        )
+        !self.result.as_ref().is_ok_and(|&reason| is_end(reason))
+    }
+}
+
+/// True where a solver has come to the end that it was to come to.
+fn is_end(stopped_by: StoppedBy) -> bool {
+    matches!(stopped_by, StoppedBy::Tolerance | StoppedBy::Iterations)
+}
+
+/// What is known of a solution among some sources is not so among others, but for its irradiances: this is what
+/// the next ones begin with.
+fn before_sources(provenance: &Provenance) -> Provenance {
+    let iterations = provenance.residuals.len() as u64;
+    Provenance {
+        iterations: provenance.iterations.saturating_sub(iterations),
+        residuals: Vec::new(),
+        sources: None,
+        ..provenance.clone()
+    }
+}
+
+/// A solution of which no more is known.
+fn irradiances(irradiance: Vec<Rgb>, provenance: &Provenance) -> Solution {
+    Solution {
+        irradiance,
+        provenance: provenance.clone(),
+        unfinished: None,
+        unshot: None,
+        remainder: None,
     }
 }
