@@ -101,7 +101,7 @@ fn pixels_see_the_patches_that_their_rays_meet() {
             let frame = Frame::on_patch(&geometry, normal, geometry.centroid(), turn);
             projection.set(&frame, Some(own), true, Cull::Nothing);
             for (face, window) in hemicube::windows(100).iter().enumerate() {
-                raster.draw_face(&projection, face, window);
+                raster.draw_or_cast(&mut projection, Some(face), window);
                 raster.for_each_row(&projection, u32::MAX, u32::MAX, |j, ids| {
                     for (i, &id) in ids.iter().enumerate().filter(|(_, id)| **id != u32::MAX) {
                         let at = |di: f64, dj: f64| {
@@ -142,7 +142,7 @@ fn a_face_is_what_its_window_sees_of_everything() {
             let frame = Frame::on_patch(&geometry, normal, geometry.centroid(), 0.7 * k as f64);
             projection.set(&frame, Some(geometry.surface), true, Cull::Nothing);
             for (face, window) in hemicube::windows(32).iter().enumerate() {
-                face_raster.draw_face(&projection, face, window);
+                face_raster.draw_or_cast(&mut projection, Some(face), window);
                 raster.draw(&projection, window);
                 for (i, j) in (0..window.height).flat_map(|j| (0..32).map(move |i| (i, j))) {
                     let sample: Sample = raster.sample(&projection, i, j);

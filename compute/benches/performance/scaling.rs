@@ -130,26 +130,37 @@ fn over_pixels(plan: &Plan) -> anyhow::Result<String> {
     Ok(text)
 }
 
+/// Makes a scene of about so many triangles.
+type Make = fn(u32) -> anyhow::Result<Scene>;
+
 fn over_surfaces(plan: &Plan) -> anyhow::Result<String> {
     let largest = plan.choose(10_000, 1_000_000);
-    let mut measured = Vec::new();
-    for triangles in [1_000, 3_000, 10_000, 30_000, 100_000, 300_000, 1_000_000] {
-        if triangles > largest {
-            break;
+    let scenes: [(&str, Make); 2] = [
+        ("a closed box full of small tetrahedra", scenes::tetrahedra),
+        ("a bumpy sphere from inside", scenes::bumpy_sphere),
+    ];
+    let mut text = String::new();
+    for (name, make) in scenes {
+        let mut measured = Vec::new();
+        for triangles in [1_000, 3_000, 10_000, 30_000, 100_000, 300_000, 1_000_000] {
+            if triangles > largest {
+                break;
+            }
+            let scene = make(triangles)?;
+            let surfaces = count(scene.surfaces().len() as u64);
+            eprintln!("performance: scaling, {name}, {surfaces} surfaces");
+            measured.push((surfaces, measure(plan, &scene, PIXELS)?));
         }
-        let scene = scenes::tetrahedra(triangles)?;
-        let surfaces = count(scene.surfaces().len() as u64);
-        eprintln!("performance: scaling, {surfaces} surfaces");
-        measured.push((surfaces, measure(plan, &scene, PIXELS)?));
+        let title = format!("Surfaces: {name}, one patch a triangle");
+        let header = ["surfaces", "item buffer, ms", "whole row, ms", "open, s"];
+        let cells = |measured: &Measured| {
+            let mut cells = milliseconds(measured);
+            cells.push(figures(measured.open));
+            cells
+        };
+        text.push_str(&shown(&title, &header, &measured, cells));
     }
-    let title = "Surfaces: a closed box full of small tetrahedra, one patch a triangle";
-    let header = ["surfaces", "item buffer, ms", "whole row, ms", "open, s"];
-    let cells = |measured: &Measured| {
-        let mut cells = milliseconds(measured);
-        cells.push(figures(measured.open));
-        cells
-    };
-    Ok(shown(title, &header, &measured, cells))
+    Ok(text)
 }
 
 /// 1, 2, 4 ... and all cores.

@@ -3,6 +3,7 @@
 use glam::DVec3;
 use scene::{Scene, SurfaceId};
 
+use super::hierarchy::Hierarchy;
 use super::projection::{plane_tolerance, reach};
 use super::regions::Regions;
 
@@ -18,7 +19,22 @@ pub struct Drawable<'a> {
     /// Where the members of each region begin among those of all; then the number of all.
     first_members: Vec<usize>,
     pub(super) plane_tolerance: f64,
+    /// Where pieces are so many that rays may be cast.
+    pub(super) hierarchy: Option<Hierarchy>,
+    /// See [`PIECES_PER_PIXEL`].
+    pieces_per_pixel: f64,
 }
+
+/// Rays are cast instead of drawing all pieces from so many on for each pixel. Tuned, at 128 pixels, on the scenes of
+/// `benches/dense.rs`: a box full of small bodies, of which most are hidden, and a bumpy sphere seen from inside.
+const PIECES_PER_PIXEL: f64 = 3.0;
+
+/// There are fewer pixels in no window for which rays are cast.
+const FEWEST_PIXELS: usize = 1 << 10;
+
+/// Boxes are larger than what is in them by this many of the scene's plane tolerance: by the margins of
+/// fronts, and by the rounding of coordinates and of rays to f32.
+const BOX_MARGIN: f64 = 8.0;
 
 /// What setting a region up asks for, all in one place.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +53,11 @@ pub(super) struct RegionFacts {
 impl<'a> Drawable<'a> {
     /// Lays a scene out.
     pub fn new(scene: &'a Scene) -> Self {
+        Self::casting_from(scene, PIECES_PER_PIXEL)
+    }
+
+    /// Lays a scene out, with rays to be cast from so many pieces for each pixel on.
+    pub(super) fn casting_from(scene: &'a Scene, pieces_per_pixel: f64) -> Self {
         let regions = Regions::new(scene);
         let axis = |k: usize| regions.vertices().iter().map(|p| p[k].into()).collect();
         let facts = regions
@@ -60,12 +81,18 @@ impl<'a> Drawable<'a> {
             count += region.locator.as_ref().map_or(0, |l| l.members().len());
             first_members.push(count);
         }
+        let plane_tolerance = plane_tolerance(scene);
+        let fewest = pieces_per_pixel * FEWEST_PIXELS as f64;
+        let hierarchy = (regions.pieces().len() as f64 > fewest)
+            .then(|| Hierarchy::new(&regions, (BOX_MARGIN * plane_tolerance) as f32));
         Self {
             scene,
             first_members,
             vertices: [axis(0), axis(1), axis(2)],
             facts,
-            plane_tolerance: plane_tolerance(scene),
+            plane_tolerance,
+            hierarchy,
+            pieces_per_pixel,
             regions,
         }
     }
@@ -78,6 +105,13 @@ impl<'a> Drawable<'a> {
     /// What is drawn of it.
     pub fn regions(&self) -> &Regions {
         &self.regions
+    }
+
+    /// True where so many pixels are found faster by casting rays than by drawing all pieces.
+    pub(super) fn casts(&self, pixels: usize) -> bool {
+        let pieces = self.regions.pieces().len() as f64;
+        let pixels = pixels.max(FEWEST_PIXELS) as f64;
+        self.hierarchy.is_some() && pieces > self.pieces_per_pixel * pixels
     }
 
     /// [`plane_tolerance`] of the scene, metres.

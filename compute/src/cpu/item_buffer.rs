@@ -39,9 +39,12 @@ impl<'a> HemicubeDrawer<'a> {
         back_face: u32,
         mut take: impl FnMut(usize, usize, &[u32]),
     ) {
-        self.projection.set(frame, Some(own), true, Cull::Nothing);
+        let size = self.windows[0].width;
+        self.projection
+            .set_for(3 * size * size, frame, Some(own), true, Cull::Nothing);
         for (face, window) in self.windows.iter().enumerate() {
-            self.raster.draw_face(&self.projection, face, window);
+            self.raster
+                .draw_or_cast(&mut self.projection, Some(face), window);
             self.raster
                 .for_each_row(&self.projection, nothing, back_face, |row, ids| {
                     take(face, row, ids);

@@ -1,6 +1,8 @@
 //! The cpu back end: hemicubes drawn on all cores, in plain Rust. The readable twin of [`crate::gpu`].
 
+mod cast;
 mod drawable;
+mod hierarchy;
 pub mod item_buffer;
 mod look_up;
 mod outside;

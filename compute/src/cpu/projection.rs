@@ -86,6 +86,17 @@ pub struct Projection<'a> {
     vertices: [Vec<f64>; 3],
     /// See [`outside`]; one per vertex.
     outside: Vec<u32>,
+    /// Where rays are to be cast instead of drawing what is set up.
+    pub(super) casting: Option<Casting>,
+}
+
+/// What rays need to know of the eye.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Casting {
+    /// The region that the eye lies on, if any.
+    pub own: Option<u32>,
+    pub horizon: bool,
+    pub cull: Cull,
 }
 
 /// Units in the last place (2^-24 relative) by which f32 coordinates are taken to be uncertain.
@@ -97,6 +108,12 @@ pub const COORDINATE_ULPS: f64 = 4.0 / (1 << 24) as f64;
 pub fn plane_tolerance(scene: &Scene) -> f64 {
     let [low, high] = scene.bounds();
     f64::from(low.abs().max(high.abs()).max_element()) * COORDINATE_ULPS
+}
+
+/// What the inverse depth of a front or a back is multiplied by.
+#[inline(always)]
+pub(super) fn retreat(is_back_face: bool) -> f64 {
+    if is_back_face { BACK_FACE_RETREAT } else { 1.0 }
 }
 
 /// True where a distance of `height` metres from a plane is no more than rounding: `tolerance`, which is
@@ -131,7 +148,48 @@ impl<'a> Projection<'a> {
             edges: Vec::new(),
             vertices: [(); 3].map(|()| vec![0.0; count]),
             outside: vec![0; count],
+            casting: None,
         }
+    }
+
+    /// The same as [`Self::set`] for drawing into a few windows: where pieces are many and small compared to `pixels`, those
+    /// of all these windows, nothing is set up, and rays are cast when a window is drawn.
+    pub fn set_for(
+        &mut self,
+        pixels: usize,
+        frame: &Frame,
+        own: Option<SurfaceId>,
+        horizon: bool,
+        cull: Cull,
+    ) {
+        if !self.drawable.casts(pixels) {
+            self.casting = None;
+            return self.set(frame, own, horizon, cull);
+        }
+        self.start(frame);
+        self.casting = Some(Casting {
+            own: own.map(|own| self.drawable.region_of(own)),
+            horizon,
+            cull,
+        });
+    }
+
+    /// Where the eye stands.
+    pub(super) fn frame(&self) -> &Frame {
+        &self.frame
+    }
+
+    /// The index in `pieces` of what a ray has met, of which nothing but the region is known.
+    pub(super) fn met(&mut self, region: u32, is_back_face: bool) -> u32 {
+        self.pieces.push(Projected {
+            first: 0,
+            end: 0,
+            inverse_depth: DVec3::ZERO,
+            region,
+            is_back_face,
+            outside: 0,
+        });
+        self.pieces.len() as u32 - 1
     }
 
     /// Sets up all that can be seen; `own` is the surface that the eye lies on, if any. What is at or below
@@ -192,7 +250,7 @@ impl<'a> Projection<'a> {
     }
 
     /// Largest magnitude of the coordinates by which the eye's plane is known, metres.
-    fn eye_reach(&self, own: Option<u32>) -> DVec3 {
+    pub(super) fn eye_reach(&self, own: Option<u32>) -> DVec3 {
         own.map_or(self.frame.position.abs(), |own| {
             self.drawable.facts[own as usize].reach
         })
@@ -224,7 +282,7 @@ impl<'a> Projection<'a> {
             return;
         }
         let sign = if is_back_face { 1.0 } else { -1.0 };
-        let retreat = if is_back_face { BACK_FACE_RETREAT } else { 1.0 };
+        let retreat = retreat(is_back_face);
         let normal = frame.vector_to_local(facts.normal);
         let regions = drawable.regions();
         for piece in regions.regions()[region as usize].pieces.clone() {
@@ -261,7 +319,7 @@ impl<'a> Projection<'a> {
                 let margin = if is_back_face {
                     0.0
                 } else {
-                    margin(frame, across, from, to)
+                    margin(across, frame.to_scene(across), from, to)
                 };
                 edges.push(Edge { across, margin });
                 from = to;
@@ -338,11 +396,12 @@ fn to_local<S: Simd>(
 /// How much too large a front is drawn at one edge, so that a ray between pieces whose common corners are the
 /// same but for rounding meets one of them. A corner that is off by s across the edge's plane q_i x q_j moves
 /// that plane by s times the other corner's length at most; no ray through a hemicube's pixel is longer than
-/// sqrt(3). Corners are given in the frame and as magnitudes of their coordinates, metres.
+/// sqrt(3). `across` is given in the axes of the corners and in the scene's, corners relative to the eye and as
+/// magnitudes of their coordinates, metres.
 #[inline(always)]
-fn margin(
-    frame: &Frame,
+pub(super) fn margin(
     across: DVec3,
+    in_scene: DVec3,
     (from, from_magnitude): (DVec3, DVec3),
     (to, to_magnitude): (DVec3, DVec3),
 ) -> f64 {
@@ -351,7 +410,7 @@ fn margin(
     if length == 0.0 {
         return 0.0;
     }
-    let in_scene = frame.to_scene(across).abs();
+    let in_scene = in_scene.abs();
     let off_from = in_scene.dot(from_magnitude);
     let off_to = in_scene.dot(to_magnitude);
     LONGEST_RAY * COORDINATE_ULPS * (off_from * to.length() + off_to * from.length()) / length

@@ -10,12 +10,14 @@
 #![allow(clippy::inline_always)]
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use fearless_simd::{Level, Simd, dispatch, prelude::*};
 use fearless_simd_macros::simd;
 use glam::DVec3;
 use scene::SurfaceId;
 
+use super::cast::{BACK, cast};
 use super::look_up::LookUp;
 use super::outside;
 use super::projection::{Edge, Projection, over_pixels};
@@ -25,11 +27,11 @@ use crate::hemicube::Window;
 /// Front faces are drawn this much too large, in pixels, so that a ray through an edge or a corner
 /// meets a front whatever the rounding, where surfaces only touch (T-junctions) too: above the f64
 /// rounding of a crossing, 2^-53 times some thousands of pixels, and far below a pixel.
-const FRONT_FACE_OUTSET: f64 = 1e-9;
+pub(super) const FRONT_FACE_OUTSET: f64 = 1e-9;
 
 /// The most that margins for rounded corners may move an edge, in pixels: what is so far away that its own
 /// coordinates are less certain than that is not to grow by it.
-const MOST_MARGIN: f64 = 1.0 / 256.0;
+pub(super) const MOST_MARGIN: f64 = 1.0 / 256.0;
 
 /// What a pixel sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,7 +55,7 @@ pub enum Sample {
 pub(super) const NONE: u32 = u32::MAX;
 
 /// Rows are padded so that the widest vector (16 lanes) can run over their end.
-const PADDING: usize = 16;
+pub(super) const PADDING: usize = 16;
 
 /// A window's depth and piece buffers. Kept between pictures to save allocating.
 #[derive(Clone, Debug)]
@@ -82,24 +84,51 @@ impl Default for Raster {
 }
 
 impl Raster {
-    /// Draws all pieces of a projection.
+    /// Draws all pieces of a projection that is [`set`](Projection::set).
     pub fn draw(&mut self, projection: &Projection, window: &Window) {
         self.draw_inside(projection, window, 0);
     }
 
-    /// Draws a face of a hemicube: `window` is that of [`crate::hemicube::windows`].
-    pub fn draw_face(&mut self, projection: &Projection, face: usize, window: &Window) {
-        self.draw_inside(projection, window, outside::OF_FACES[face]);
+    /// Draws a projection that is [`set_for`](Projection::set_for) this window, among others, or casts rays for
+    /// it. If the window is that of a hemicube's face ([`crate::hemicube::windows`]), `face` is its number.
+    pub fn draw_or_cast(
+        &mut self,
+        projection: &mut Projection,
+        face: Option<usize>,
+        window: &Window,
+    ) {
+        if projection.casting.is_none() {
+            let beyond = face.map_or(0, |face| outside::OF_FACES[face]);
+            return self.draw_inside(projection, window, beyond);
+        }
+        self.start(window);
+        dispatch!(self.level, simd => cast(simd, projection, window, &mut self.pieces));
+        projection.pieces.clear();
+        let drawable = Arc::clone(&projection.drawable);
+        let Some(hierarchy) = &drawable.hierarchy else {
+            return;
+        };
+        for run in self.pieces.chunk_by_mut(|a, b| a == b) {
+            if run[0] != NONE {
+                let triangle = &hierarchy.triangles[(run[0] & !BACK) as usize];
+                run.fill(projection.met(triangle.region, run[0] & BACK != 0));
+            }
+        }
+    }
+
+    /// Sees nothing anywhere in a window.
+    fn start(&mut self, window: &Window) {
+        self.window = Some(*window);
+        self.pieces.clear();
+        self.pieces
+            .resize((window.width + PADDING) * window.height, NONE);
     }
 
     /// Draws what none of the bits `beyond` of [`outside`] says of that it is outside.
     fn draw_inside(&mut self, projection: &Projection, window: &Window, beyond: u32) {
-        self.window = Some(*window);
-        let pixels = (window.width + PADDING) * window.height;
+        self.start(window);
         self.inverse_depth.clear();
-        self.inverse_depth.resize(pixels, 0.0);
-        self.pieces.clear();
-        self.pieces.resize(pixels, NONE);
+        self.inverse_depth.resize(self.pieces.len(), 0.0);
         let Self {
             level,
             inverse_depth,

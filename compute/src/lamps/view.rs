@@ -153,7 +153,10 @@ impl<'a> LampViewer<'a> {
             if chosen.iter().all(|choice| choice.pieces[k].is_empty()) {
                 continue;
             }
-            self.all_surfaces.set(frame, Some(own), true, Cull::Nothing);
+            let views = chosen.iter().flat_map(|choice| &choice.pieces[k]);
+            let pixels = views.map(|piece| piece.window.width * piece.window.height);
+            self.all_surfaces
+                .set_for(pixels.sum(), frame, Some(own), true, Cull::Nothing);
             for choice in chosen.iter().filter(|choice| !choice.pieces[k].is_empty()) {
                 let regions = self.lamps[choice.lamp].regions.iter().copied();
                 self.lamp_alone
@@ -190,7 +193,8 @@ impl<'a> LampViewer<'a> {
         if whole <= 0.0 {
             return false;
         }
-        self.raster.draw(&self.all_surfaces, &piece.window);
+        self.raster
+            .draw_or_cast(&mut self.all_surfaces, None, &piece.window);
         let scale = share * piece.form_factor / whole;
         let first = seen.factors.len();
         let factors = &mut seen.factors;

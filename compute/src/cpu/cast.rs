@@ -1,0 +1,581 @@
+//! Casting a ray through each pixel, where pieces are many and small: what [`super::raster`] draws, found from the
+//! other side.
+//!
+//! # Theory
+//! Drawing costs something for every piece of the scene, seen or not; a ray through a hierarchy of boxes costs by
+//! their number's logarithm. A ray along d meets a piece by the same products (q_k x q_{k+1}) . d, in f64, by which it is
+//! drawn ([`super::projection`]), so both give the same picture but for pixels that lie on an edge or see two
+//! pieces at the same depth, within rounding.
+//!
+//! # Practice
+//! Rays of 4 x 2 neighbouring pixels go together (Wald, Slusallek, Benthin, Wagner, "Interactive rendering with coherent
+//! ray tracing", Eurographics 2001). They go down to the nearer box first and leave out boxes farther than what
+//! all of them have met. A triangle in a leaf is first tried in f32, with room for rounding; only where that does not
+//! rule it out is it met. Of pieces at equal depth the one comes first that is the first in the scene, as if drawn.
+
+// Functions that a vectorised caller needs must be inlined into it: compiled on their own they would
+// be for the baseline instruction set.
+#![allow(clippy::inline_always)]
+
+use std::cmp::Ordering;
+
+use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
+use fearless_simd_macros::simd;
+use glam::{DVec3, Vec3};
+
+use super::hierarchy::{Hierarchy, Node, Pair, Triangle};
+use super::projection::{Cull, Projection, is_in_plane, margin, retreat};
+use super::raster::{FRONT_FACE_OUTSET, MOST_MARGIN, NONE, PADDING};
+use crate::hemicube::Window;
+
+/// Pixels that go together along a row, rows, and both.
+const ALONG: usize = 4;
+const ROWS: usize = 2;
+const LANES: usize = ALONG * ROWS;
+
+/// How much an f32 product of three factors may be off, relative to the factors' largest: some roundings of 2^-24,
+/// and the margins by which fronts are larger ([`super::COORDINATE_ULPS`]).
+const ROUNDING: f32 = 64.0 / (1 << 24) as f32;
+
+/// The same for corners that are rounded to f32 relative to the scene's origin, in plane tolerances.
+const PLANE_TOLERANCES: f32 = 16.0;
+
+/// What is behind what was met by less than this, relative, may be as near.
+const DEPTH_ROUNDING: f32 = 1e-5;
+
+/// By how much that is told in f32, where the plane's distance is more than this of a triangle's, both squared.
+const FAR_BEHIND: f32 = 1.01;
+const EDGE_ON: f32 = 1e-5;
+
+/// A direction's smallest component, so that it has an inverse.
+const LEAST_COMPONENT: f64 = 1e-20;
+
+/// What all rays from an eye through a window have in common, in the scene's axes.
+struct Eye<'p> {
+    hierarchy: &'p Hierarchy,
+    /// The region that it lies on, if any.
+    own: Option<u32>,
+    horizon: bool,
+    cull: Cull,
+    /// Metres.
+    position: DVec3,
+    /// The frame's normal.
+    up: DVec3,
+    /// From one pixel to the next, along rows and columns.
+    right: DVec3,
+    upward: DVec3,
+    /// Through the centre of pixel (0, 0), 1 along the window's forward vector.
+    first: DVec3,
+    /// See [`Projection::eye_reach`], metres.
+    reach: DVec3,
+    plane_tolerance: f64,
+    /// Room for what is rounded, metres.
+    room: f32,
+}
+
+/// The bit of a triangle of which a ray meets the back.
+pub(super) const BACK: u32 = 1 << 31;
+
+/// A box to be entered, and the depths at which rays enter it.
+type Entry = (Node, [f32; LANES]);
+
+/// What rays of neighbouring pixels have met.
+struct Met {
+    /// 1/depth, 1/m.
+    inverse_depth: [f32; LANES],
+    /// Indices into [`Hierarchy::triangles`], with [`BACK`] where that is what is seen, or [`NONE`].
+    triangles: [u32; LANES],
+    /// Depth beyond which nothing matters, metres; negative for a ray that is none.
+    depth: [f32; LANES],
+}
+
+/// Draws what a projection sees by casting rays, if it is set for that. The buffer is that of [`super::Raster`], but
+/// of triangles of the hierarchy, with [`BACK`] where that is what is seen.
+#[simd]
+pub(super) fn cast<S: Simd>(
+    simd: S,
+    projection: &Projection,
+    window: &Window,
+    triangles: &mut [u32],
+) {
+    let drawable = &projection.drawable;
+    let (Some(casting), Some(hierarchy)) = (&projection.casting, &drawable.hierarchy) else {
+        return;
+    };
+    let frame = projection.frame();
+    let [right, upward, forward] =
+        [window.right, window.up, window.forward].map(|v| frame.to_scene(v));
+    let eye = Eye {
+        hierarchy,
+        own: casting.own,
+        horizon: casting.horizon,
+        cull: casting.cull,
+        position: frame.position,
+        up: frame.normal,
+        right: window.pixel * right,
+        upward: window.pixel * upward,
+        first: forward
+            + (window.left + 0.5 * window.pixel) * right
+            + (window.bottom + 0.5 * window.pixel) * upward,
+        reach: projection.eye_reach(casting.own),
+        plane_tolerance: drawable.plane_tolerance,
+        room: PLANE_TOLERANCES * drawable.plane_tolerance as f32,
+    };
+    let stride = window.width + PADDING;
+    let mut stack = Vec::with_capacity(64);
+    let end = [window.width, window.height];
+    for j in (0..window.height).step_by(ROWS) {
+        for i in (0..window.width).step_by(ALONG) {
+            let met = eye.trace(simd, [i, j], end, &mut stack);
+            for lane in 0..LANES {
+                let (i, j) = (i + lane % ALONG, j + lane / ALONG);
+                if i < window.width && j < window.height {
+                    triangles[j * stride + i] = met.triangles[lane];
+                }
+            }
+        }
+    }
+}
+
+impl Eye<'_> {
+    /// Finds what the rays of some pixels meet.
+    #[inline(always)]
+    fn trace<S: Simd>(
+        &self,
+        simd: S,
+        pixel: [usize; 2],
+        end: [usize; 2],
+        stack: &mut Vec<Entry>,
+    ) -> Met {
+        let mut met = Met {
+            inverse_depth: [0.0; LANES],
+            triangles: [NONE; LANES],
+            depth: [f32::INFINITY; LANES],
+        };
+        let mut directions = [[0.0; LANES]; 3];
+        let mut inverses = [[0.0; LANES]; 3];
+        for lane in 0..LANES {
+            let d = self.direction(pixel, lane).to_array();
+            for axis in 0..3 {
+                directions[axis][lane] = d[axis] as f32;
+                let component = if d[axis].abs() < LEAST_COMPONENT {
+                    LEAST_COMPONENT
+                } else {
+                    d[axis]
+                };
+                inverses[axis][lane] = (1.0 / component) as f32;
+            }
+            if pixel[0] + lane % ALONG >= end[0] || pixel[1] + lane / ALONG >= end[1] {
+                met.depth[lane] = -1.0;
+            }
+        }
+        let directions = [
+            f32x8::from_slice(simd, &directions[0]),
+            f32x8::from_slice(simd, &directions[1]),
+            f32x8::from_slice(simd, &directions[2]),
+        ];
+        let inverses = [
+            f32x8::from_slice(simd, &inverses[0]),
+            f32x8::from_slice(simd, &inverses[1]),
+            f32x8::from_slice(simd, &inverses[2]),
+        ];
+        let Hierarchy {
+            root,
+            pairs,
+            triangles,
+        } = self.hierarchy;
+        stack.clear();
+        stack.push((*root, [0.0; LANES]));
+        while let Some((mut node, nearest)) = stack.pop() {
+            let depth = f32x8::from_slice(simd, &met.depth);
+            if !f32x8::from_slice(simd, &nearest).simd_le(depth).any_true() {
+                continue;
+            }
+            while node.count == 0 {
+                let Pair([left, right]) = &pairs[node.first as usize];
+                let (near_left, in_left) = self.enter(simd, left, &inverses, depth);
+                let (near_right, in_right) = self.enter(simd, right, &inverses, depth);
+                match (in_left.any_true(), in_right.any_true()) {
+                    (false, false) => break,
+                    (true, false) => node = *left,
+                    (false, true) => node = *right,
+                    (true, true) => {
+                        let mut nearest = [0.0; LANES];
+                        // The first ray's order is mostly that of all.
+                        if near_left[0] <= near_right[0] {
+                            near_right.store_slice(&mut nearest);
+                            stack.push((*right, nearest));
+                            node = *left;
+                        } else {
+                            near_left.store_slice(&mut nearest);
+                            stack.push((*left, nearest));
+                            node = *right;
+                        }
+                    }
+                }
+            }
+            for index in node.first..node.first + node.count {
+                let triangle = &triangles[index as usize];
+                let depth = f32x8::from_slice(simd, &met.depth);
+                let candidates = self.may_meet(simd, triangle, &directions, depth);
+                let candidates = candidates.to_bitmask() as u32;
+                if candidates != 0 {
+                    self.meet(index, pixel, candidates, &mut met);
+                }
+            }
+        }
+        met
+    }
+
+    /// The ray of one of the pixels from `pixel` on, 1 along the window's forward vector.
+    #[inline(always)]
+    fn direction(&self, [i, j]: [usize; 2], lane: usize) -> DVec3 {
+        let (i, j) = (i + lane % ALONG, j + lane / ALONG);
+        self.first + i as f64 * self.right + j as f64 * self.upward
+    }
+
+    /// The depths at which rays enter a box, and the rays that do before `depth`.
+    #[inline(always)]
+    fn enter<S: Simd>(
+        &self,
+        simd: S,
+        node: &Node,
+        inverses: &[f32x8<S>; 3],
+        depth: f32x8<S>,
+    ) -> (f32x8<S>, mask32x8<S>) {
+        let eye = self.position.as_vec3().to_array();
+        let mut near = f32x8::splat(simd, 0.0);
+        let mut far = depth;
+        for axis in 0..3 {
+            let low = inverses[axis] * (node.low[axis] - eye[axis]);
+            let high = inverses[axis] * (node.high[axis] - eye[axis]);
+            near = near.max(low.min(high));
+            far = far.min(low.max(high));
+        }
+        (near, near.simd_le(far))
+    }
+
+    /// The rays that a triangle cannot be shown to miss: a first look, in f32.
+    #[inline(always)]
+    fn may_meet<S: Simd>(
+        &self,
+        simd: S,
+        triangle: &Triangle,
+        [x, y, z]: &[f32x8<S>; 3],
+        depth: f32x8<S>,
+    ) -> mask32x8<S> {
+        let eye = self.position;
+        let [a, b, c] = triangle.corners;
+        let a = (Vec3::from(a).as_dvec3() - eye).as_vec3();
+        let b = (Vec3::from(b).as_dvec3() - eye).as_vec3();
+        let c = (Vec3::from(c).as_dvec3() - eye).as_vec3();
+        let longest = a
+            .length_squared()
+            .max(b.length_squared())
+            .max(c.length_squared());
+        let room = ROUNDING * longest + self.room * longest.sqrt();
+        let (ab, bc, ca) = (a.cross(b), b.cross(c), c.cross(a));
+        let e0 = *x * ab.x + *y * ab.y + *z * ab.z;
+        let e1 = *x * bc.x + *y * bc.y + *z * bc.z;
+        let e2 = *x * ca.x + *y * ca.y + *z * ca.z;
+        let lowest = e0.min(e1).min(e2);
+        let highest = e0.max(e1).max(e2);
+        let is_ray = depth.simd_ge(f32x8::splat(simd, 0.0));
+        // What is behind what a ray has met by far; edge-on, an f32 does not tell.
+        let normal = (b - a).cross(c - a);
+        let distance = normal.dot(a);
+        let limit = if distance * distance > EDGE_ON * longest * normal.length_squared() {
+            FAR_BEHIND
+        } else {
+            f32::INFINITY
+        };
+        let along = *x * normal.x + *y * normal.y + *z * normal.z;
+        let is_before = (f32x8::splat(simd, distance) / along).simd_le(depth * limit);
+        (lowest.simd_ge(f32x8::splat(simd, -room)) | highest.simd_le(f32x8::splat(simd, room)))
+            & is_ray
+            & is_before
+    }
+
+    /// Takes a triangle where some of the rays meet it before all that they have met; `candidates` has a bit for each
+    /// ray to be tried.
+    #[inline(always)]
+    fn meet(&self, index: u32, pixel: [usize; 2], mut candidates: u32, met: &mut Met) {
+        let triangle = &self.hierarchy.triangles[index as usize];
+        if self.own == Some(triangle.region) {
+            return;
+        }
+        let [a, b, c] = triangle.corners;
+        let a = Vec3::from(a).as_dvec3();
+        let b = Vec3::from(b).as_dvec3();
+        let c = Vec3::from(c).as_dvec3();
+        let (p, q, r) = (a - self.position, b - self.position, c - self.position);
+        let across = [p.cross(q), q.cross(r), r.cross(p)];
+        // The normal, as long as twice the area, and the eye's distance times that.
+        let normal = across[0] + across[1] + across[2];
+        let distance = normal.dot(p);
+        let is_back_face = distance > 0.0;
+        if is_back_face && self.cull == Cull::BackFaces
+            || self.is_left_out([a, b, c], normal, distance)
+        {
+            return;
+        }
+        let sign = if is_back_face { 1.0 } else { -1.0 };
+        let scale = retreat(is_back_face) / distance;
+        while candidates != 0 {
+            let lane = candidates.trailing_zeros() as usize;
+            candidates &= candidates - 1;
+            let direction = self.direction(pixel, lane);
+            let inverse_depth = (normal.dot(direction) * scale) as f32;
+            let is_nearer = match inverse_depth.total_cmp(&met.inverse_depth[lane]) {
+                Ordering::Greater => true,
+                Ordering::Equal => self.is_before(triangle, met.triangles[lane]),
+                Ordering::Less => false,
+            };
+            if !is_nearer {
+                continue;
+            }
+            let e = [
+                sign * across[0].dot(direction),
+                sign * across[1].dot(direction),
+                sign * across[2].dot(direction),
+            ];
+            let is_inside = e[0].min(e[1]).min(e[2]) >= 0.0;
+            if is_inside || !is_back_face && self.is_in_margin([a, b, c], across, e) {
+                met.inverse_depth[lane] = inverse_depth;
+                met.triangles[lane] = index | if is_back_face { BACK } else { 0 };
+                met.depth[lane] = (1.0 + DEPTH_ROUNDING) / inverse_depth;
+            }
+        }
+    }
+
+    /// True where a ray that is outside of some of a front's edges is no farther than that is drawn too large.
+    #[cold]
+    fn is_in_margin(&self, corners: [DVec3; 3], across: [DVec3; 3], e: [f64; 3]) -> bool {
+        (0..3).all(|k| {
+            let (from, to) = (corners[k], corners[(k + 1) % 3]);
+            // By how much e changes from one pixel to the next.
+            let step = across[k].dot(self.right).abs() + across[k].dot(self.upward).abs();
+            let (p, q) = (from - self.position, to - self.position);
+            let margin = margin(across[k], across[k], (p, from.abs()), (q, to.abs()));
+            e[k] >= -(margin.min(MOST_MARGIN * step) + FRONT_FACE_OUTSET * step)
+        })
+    }
+
+    /// True where a triangle is part of a piece before that of another one, which may be [`NONE`].
+    fn is_before(&self, triangle: &Triangle, other: u32) -> bool {
+        let other = self.hierarchy.triangles.get((other & !BACK) as usize);
+        other.is_none_or(|other| triangle.piece < other.piece)
+    }
+
+    /// True for what is edge-on or at the horizon within rounding, as [`Projection::set`] has it. The normal and the
+    /// eye's distance from the plane have a common factor.
+    #[inline(always)]
+    fn is_left_out(&self, corners: [DVec3; 3], normal: DVec3, distance: f64) -> bool {
+        let tolerance = self.plane_tolerance;
+        let length = normal.length();
+        let [a, b, c] = corners;
+        let height = (a - self.position)
+            .dot(self.up)
+            .max((b - self.position).dot(self.up))
+            .max((c - self.position).dot(self.up));
+        let distance = distance.abs();
+        // Nearly all are far from both planes.
+        if distance > tolerance * length && (height > tolerance || !self.horizon) {
+            return false;
+        }
+        let reach = a.abs().max(b.abs()).max(c.abs()).max(self.reach);
+        is_in_plane(distance / length, tolerance, normal / length, reach)
+            || self.horizon && is_in_plane(height, tolerance, self.up, reach)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::{DVec3, Quat, Vec3};
+    use scene::{Material, MaterialId, ObjectId, PatchId, Rgb, Scene, Surface, SurfaceId};
+
+    use crate::cpu::item_buffer::{BACK_FACE, HemicubeDrawer, NOTHING};
+    use crate::cpu::{CpuRows, Drawable};
+    use crate::hemicubes::Hemicubes;
+    use crate::lamps::with_lamps;
+    use crate::rows::{RowBatch, UNITS_PER_ONE};
+    use crate::settings::{FormFactorSettings, LampViews, Points};
+
+    type Triangle = [Vec3; 3];
+
+    fn scene(surfaces: &[Triangle], max_area: f64) -> Scene {
+        let material = |emission: f32| Material {
+            name: "stone".into(),
+            reflectance: Rgb::splat(0.5),
+            emission: Rgb::splat(emission),
+        };
+        // The last two shine.
+        let surface = |(k, &corners): (usize, &Triangle)| Surface {
+            corners,
+            material: MaterialId(u32::from(k + 2 >= surfaces.len())),
+            object: ObjectId(0),
+        };
+        let surfaces = surfaces.iter().enumerate().map(surface).collect();
+        let materials = vec![material(0.0), material(9.0)];
+        let objects = vec!["all".into()];
+        Scene::with_max_area(materials, objects, surfaces, max_area, DVec3::ZERO).unwrap()
+    }
+
+    /// A sphere of radius about 1 m with bumps, turned inwards: a cube whose faces have `cells` x `cells`
+    /// squares of two triangles, blown up.
+    fn bumpy_sphere(cells: u32) -> Vec<Triangle> {
+        let at = |face: u32, i: u32, j: u32| -> Vec3 {
+            let across = |k: u32| 2.0 * k as f32 / cells as f32 - 1.0;
+            let (x, y) = (across(i), across(j));
+            let on_cube = match face {
+                0 => Vec3::new(x, y, 1.0),
+                1 => Vec3::new(y, x, -1.0),
+                2 => Vec3::new(1.0, x, y),
+                3 => Vec3::new(-1.0, y, x),
+                4 => Vec3::new(y, 1.0, x),
+                _ => Vec3::new(x, -1.0, y),
+            };
+            let out = on_cube.normalize();
+            let bumps = (9.0 * out.x).sin() * (8.0 * out.y).cos() * (7.0 * out.z).sin();
+            (1.0 + 0.05 * bumps) * out
+        };
+        let mut surfaces = Vec::new();
+        for k in 0..6 * cells * cells {
+            let (face, i, j) = (k / (cells * cells), k / cells % cells, k % cells);
+            let [a, b] = [at(face, i, j), at(face, i + 1, j)];
+            let [c, d] = [at(face, i, j + 1), at(face, i + 1, j + 1)];
+            surfaces.extend([[a, c, b], [b, c, d]]);
+        }
+        surfaces
+    }
+
+    /// A ball in the sphere, seen from outside, and a square that floats in it, of which both sides are seen.
+    fn furnished_sphere() -> Vec<Triangle> {
+        let mut surfaces = bumpy_sphere(20);
+        let place = |p: Vec3| 0.3 * p + Vec3::new(0.2, 0.1, 0.3);
+        surfaces.extend(
+            bumpy_sphere(12)
+                .into_iter()
+                .map(|[a, b, c]| [a, c, b].map(place)),
+        );
+        let turn = Quat::from_rotation_x(0.4) * Quat::from_rotation_y(0.3);
+        let corner = |x: f32, y: f32| turn * Vec3::new(0.6 * x, 0.6 * y, 0.0) - 0.4;
+        let [a, b, c, d] = [
+            corner(0.0, 0.0),
+            corner(1.0, 0.0),
+            corner(1.0, 1.0),
+            corner(0.0, 1.0),
+        ];
+        surfaces.extend([[a, b, c], [a, c, d]]);
+        surfaces
+    }
+
+    fn settings(resolution: u32) -> FormFactorSettings {
+        FormFactorSettings {
+            points: Points::CENTROID,
+            ..FormFactorSettings::new(resolution)
+        }
+    }
+
+    /// All is drawn; rays are cast for all.
+    fn both_ways(scene: &Scene) -> [Arc<Drawable<'_>>; 2] {
+        [f64::INFINITY, 0.0].map(|fewest| Arc::new(Drawable::casting_from(scene, fewest)))
+    }
+
+    /// Where the two see different surfaces, these have an edge in common, or a corner: the pixel lies on it. Patches of
+    /// a surface are looked up in the same way.
+    #[test]
+    fn rays_see_what_is_drawn_but_on_edges() {
+        for max_area in [f64::INFINITY, 0.002] {
+            let scene = scene(&furnished_sphere(), max_area);
+            let drawables = both_ways(&scene);
+            let hemicubes = Hemicubes::between(&scene, &drawables[0], settings(64));
+            let mut drawers = drawables.each_ref().map(|d| HemicubeDrawer::new(d, 64));
+            let (mut pixels, mut differing, mut backs) = (0, 0, 0);
+            let step = (scene.patch_count() / 40) as usize;
+            for patch in (0..scene.patch_count()).step_by(step).map(PatchId) {
+                let own = hemicubes.surface_of(patch);
+                let frame = hemicubes.frames(patch)[0];
+                let [drawn, cast] = drawers.each_mut().map(|d| d.item_buffer(own, &frame));
+                pixels += drawn.len();
+                backs += cast.iter().filter(|&&id| id == BACK_FACE).count();
+                for (&a, &b) in drawn.iter().zip(&cast).filter(|(a, b)| a != b) {
+                    differing += 1;
+                    assert!(a < NOTHING && b < NOTHING, "{patch:?}: {a} and {b}");
+                    let [a, b] = [a, b].map(|id| hemicubes.surface_of(PatchId(id)));
+                    assert!(are_neighbours(&scene, a, b), "{patch:?}: {a:?} and {b:?}");
+                }
+            }
+            println!("{differing} of {pixels} pixels differ");
+            assert!(backs > 0, "no back was seen");
+            // As many as have an edge within rounding, 1e-5 pixels, of their centres.
+            assert!(differing < pixels / 5000, "{differing} of {pixels}");
+        }
+    }
+
+    fn are_neighbours(scene: &Scene, a: SurfaceId, b: SurfaceId) -> bool {
+        let [a, b] = [a, b].map(|id| scene.surface(id).corners);
+        a.iter().any(|corner| b.contains(corner))
+    }
+
+    #[test]
+    fn nothing_is_seen_between_triangles() {
+        let scene = scene(&bumpy_sphere(24), f64::INFINITY);
+        let [_, cast] = both_ways(&scene);
+        let hemicubes = Hemicubes::between(&scene, &cast, settings(128));
+        let mut drawer = HemicubeDrawer::new(&cast, 128);
+        for patch in (0..scene.patch_count()).step_by(97).map(PatchId) {
+            let frame = hemicubes.frames(patch)[0];
+            let ids = drawer.item_buffer(hemicubes.surface_of(patch), &frame);
+            assert!(!ids.contains(&NOTHING), "{patch:?}");
+            // Bumps are seen from their fronts alone.
+            assert!(!ids.contains(&BACK_FACE), "{patch:?}");
+        }
+    }
+
+    /// Triangles at the same place, and a hierarchy that cannot tell them apart: the first in the scene wins.
+    #[test]
+    fn the_first_of_equals_is_seen() {
+        let [a, b, c] = [Vec3::ZERO, Vec3::X, Vec3::Y];
+        let above = [Vec3::Z, Vec3::Z + Vec3::Y, Vec3::Z + Vec3::X];
+        let scene = scene(&[[a, b, c], above, above, above, above, above, above], 1.0);
+        let drawables = both_ways(&scene);
+        let hemicubes = Hemicubes::between(&scene, &drawables[0], settings(32));
+        let frame = hemicubes.frames(PatchId(0))[0];
+        for drawable in &drawables {
+            let ids = HemicubeDrawer::new(drawable, 32).item_buffer(SurfaceId(0), &frame);
+            assert!(ids.iter().all(|&id| id == 1 || id == NOTHING));
+            assert!(ids.contains(&1));
+        }
+    }
+
+    /// With views of lamps, which are windows of other sizes. A pixel on an edge counts for one of two neighbours: of
+    /// what a row's factors are, one of 3 x 64^2 pixels, and of a lamp, one of its view's, is little.
+    #[test]
+    fn rows_are_the_same_but_for_pixels_on_edges() {
+        let scene = scene(&furnished_sphere(), f64::INFINITY);
+        let rows = both_ways(&scene).map(|drawable| -> Vec<RowBatch> {
+            let hemicubes = Arc::new(Hemicubes::between(&scene, &drawable, settings(64)));
+            let inner = Box::new(CpuRows::new(&hemicubes));
+            let mut rows = with_lamps(&hemicubes, LampViews::All, inner);
+            let patches = (0..scene.patch_count()).step_by(61);
+            patches
+                .map(|patch| rows.draw_rows(patch..patch + 1).unwrap())
+                .collect()
+        });
+        let [drawn, cast] = rows;
+        for (drawn, cast) in drawn.iter().zip(&cast) {
+            let mut difference = vec![0.0; scene.patch_count() as usize];
+            for (row, sign) in [(drawn.row(0), 1.0), (cast.row(0), -1.0)] {
+                for entry in row {
+                    difference[entry.patch as usize] += sign * f64::from(entry.units);
+                }
+            }
+            let sum: f64 = difference.iter().map(|d| d.abs()).sum();
+            let one = f64::from(UNITS_PER_ONE);
+            assert!(sum < 2e-3 * one, "{:?}: {}", drawn.patches(), sum / one);
+        }
+    }
+}
