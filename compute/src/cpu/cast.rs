@@ -24,7 +24,7 @@ use fearless_simd_macros::simd;
 use glam::{DVec3, Vec3};
 
 use super::hierarchy::{Hierarchy, Node, Pair, Triangle};
-use super::projection::{Cull, Projection, is_in_plane, margin, retreat};
+use super::projection::{COORDINATE_ULPS, Cull, Projection, is_in_plane, margin, retreat};
 use super::raster::{FRONT_FACE_OUTSET, MOST_MARGIN, NONE, PADDING};
 use crate::hemicube::Window;
 
@@ -38,7 +38,7 @@ const LANES: usize = ALONG * ROWS;
 const ROUNDING: f32 = 64.0 / (1 << 24) as f32;
 
 /// The same for corners that are rounded to f32 relative to the scene's origin, in plane tolerances.
-const PLANE_TOLERANCES: f32 = 16.0;
+const PLANE_TOLERANCES: f64 = 16.0;
 
 /// What is behind what was met by less than this, relative, may be as near.
 const DEPTH_ROUNDING: f32 = 1e-5;
@@ -69,7 +69,8 @@ struct Eye<'p> {
     /// See [`Projection::eye_reach`], metres.
     reach: DVec3,
     plane_tolerance: f64,
-    /// Room for what is rounded, metres.
+    /// What lengths are multiplied by in a first look, 1/m, and room for what is rounded there.
+    scale: f64,
     room: f32,
 }
 
@@ -105,6 +106,8 @@ pub(super) fn cast<S: Simd>(
     let frame = projection.frame();
     let [right, upward, forward] =
         [window.right, window.up, window.forward].map(|v| frame.to_scene(v));
+    // Products of three lengths stay within what an f32 holds.
+    let scale = COORDINATE_ULPS / drawable.plane_tolerance.max(f64::MIN_POSITIVE);
     let eye = Eye {
         hierarchy,
         own: casting.own,
@@ -119,7 +122,8 @@ pub(super) fn cast<S: Simd>(
             + (window.bottom + 0.5 * window.pixel) * upward,
         reach: projection.eye_reach(casting.own),
         plane_tolerance: drawable.plane_tolerance,
-        room: PLANE_TOLERANCES * drawable.plane_tolerance as f32,
+        scale,
+        room: (PLANE_TOLERANCES * drawable.plane_tolerance * scale) as f32,
     };
     let stride = window.width + PADDING;
     let mut stack = Vec::with_capacity(64);
@@ -266,9 +270,9 @@ impl Eye<'_> {
     ) -> mask32x8<S> {
         let eye = self.position;
         let [a, b, c] = triangle.corners;
-        let a = (Vec3::from(a).as_dvec3() - eye).as_vec3();
-        let b = (Vec3::from(b).as_dvec3() - eye).as_vec3();
-        let c = (Vec3::from(c).as_dvec3() - eye).as_vec3();
+        let a = (self.scale * (Vec3::from(a).as_dvec3() - eye)).as_vec3();
+        let b = (self.scale * (Vec3::from(b).as_dvec3() - eye)).as_vec3();
+        let c = (self.scale * (Vec3::from(c).as_dvec3() - eye)).as_vec3();
         let longest = a
             .length_squared()
             .max(b.length_squared())
@@ -290,6 +294,7 @@ impl Eye<'_> {
             f32::INFINITY
         };
         let along = *x * normal.x + *y * normal.y + *z * normal.z;
+        let limit = limit * self.scale as f32;
         let is_before = (f32x8::splat(simd, distance) / along).simd_le(depth * limit);
         (lowest.simd_ge(f32x8::splat(simd, -room)) | highest.simd_le(f32x8::splat(simd, room)))
             & is_ray
@@ -313,6 +318,10 @@ impl Eye<'_> {
         // The normal, as long as twice the area, and the eye's distance times that.
         let normal = across[0] + across[1] + across[2];
         let distance = normal.dot(p);
+        // A triangle that is a line, or edge-on.
+        if distance == 0.0 {
+            return;
+        }
         let is_back_face = distance > 0.0;
         if is_back_face && self.cull == Cull::BackFaces
             || self.is_left_out([a, b, c], normal, distance)

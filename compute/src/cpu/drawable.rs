@@ -29,7 +29,7 @@ pub struct Drawable<'a> {
 /// `benches/dense.rs`: a box full of small bodies, of which most are hidden, and a bumpy sphere seen from inside.
 const PIECES_PER_PIXEL: f64 = 3.0;
 
-/// There are fewer pixels in no window for which rays are cast.
+/// Fewer pixels count as this many: rays for them have their common costs too, and small scenes need no hierarchy.
 const FEWEST_PIXELS: usize = 1 << 10;
 
 /// Boxes are larger than what is in them by this many of the scene's plane tolerance: by the margins of
