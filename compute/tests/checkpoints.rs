@@ -144,6 +144,31 @@ fn stopped_among_sources_that_are_being_chosen_and_continued_is_as_never_stopped
     }
 }
 
+/// A limit of iterations ends the solving among sources, and all patches gather: so do they after some iterations more,
+/// and all of them count.
+#[test]
+fn iterations_among_sources_count_when_a_gathered_solution_goes_on() {
+    let folder = folder();
+    save(folder.path(), "in.rad", &common::colourful_room(0.001));
+    let mut done = 0;
+    for (input, iterations) in [("in.rad", 3), ("out.rad", 5)] {
+        let limit = iterations.to_string();
+        let arguments = [input, "out.rad", "8", "--points", "centroid"];
+        let limits = ["--tolerance", "0", "--iterations", &limit];
+        let output = stdout(&solve(folder.path(), &[&arguments[..], &limits].concat()));
+        assert!(
+            output.contains("100.0 % of the patches have gathered"),
+            "{output}"
+        );
+        let solution = load(folder.path(), "out.rad");
+        assert_eq!(solution.provenance.iterations, iterations, "{output}");
+        assert!(solution.provenance.sources.is_none());
+        // Of iterations among sources that are solved anew nothing else is known.
+        done += solution.provenance.residuals.len() as u64;
+        assert_eq!(done, iterations, "{output}");
+    }
+}
+
 /// Rounds of: start, wait for a moment that nothing has chosen, kill -9. OUT is IN and starts as a
 /// good file; it must be one after each round, and be on its way to the same bits.
 #[test]

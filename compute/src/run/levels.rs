@@ -147,6 +147,8 @@ impl Run<'_> {
         let under_way = start.provenance.sources.map(|sources| sources.max_area);
         let mut provenance = before_sources(&start.provenance);
         if under_way.is_none() {
+            // Those of a solution that has been gathered count.
+            provenance.iterations = start.provenance.iterations;
             start = irradiances(start.irradiance, &provenance);
         }
         // How many sources were tried before, and what is known of them.
