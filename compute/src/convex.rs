@@ -11,7 +11,7 @@
 //! # Practice
 //! The points are those on which hemicubes would stand, so that of the errors of a row only those of pixels go. A row
 //! costs as much as there are patches to see, a hemicube as much as it has pixels; so formulas are for
-//! scenes of few patches ([`PIXELS_PER_SOURCE`]). There are no formulas for what pixels count in the
+//! scenes of few patches (`PIXELS_PER_SOURCE`). There are no formulas for what pixels count in the
 //! thesis.
 
 use std::collections::HashMap;
