@@ -100,11 +100,7 @@ impl RowSource for ConvexRows<'_> {
             .with_min_len(ROWS_PER_TASK)
             .map(|patch| self.row(PatchId(patch)))
             .collect();
-        let mut batch = RowBatch::new(patches.start);
-        for (row, unseen) in rows {
-            batch.push(&row, unseen);
-        }
-        Ok(batch)
+        Ok(RowBatch::of(patches.start, &rows))
     }
 
     fn preferred_batch(&self) -> u32 {

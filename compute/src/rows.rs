@@ -50,6 +50,15 @@ impl RowBatch {
         }
     }
 
+    /// The rows of consecutive patches, the first of which is `first_patch`'s.
+    pub fn of(first_patch: u32, rows: &[(Vec<Entry>, Unseen)]) -> Self {
+        let mut batch = Self::new(first_patch);
+        for (row, unseen) in rows {
+            batch.push(row, *unseen);
+        }
+        batch
+    }
+
     /// Adds the next patch's row; its entries are in patch order.
     pub fn push(&mut self, row: &[Entry], unseen: Unseen) {
         self.entries.extend_from_slice(row);

@@ -8,8 +8,8 @@
 //! nothing that is left out.
 //!
 //! # Practice
-//! The flood goes over regions ([`crate::cpu::regions`]), of which there are few. Emitters keep their rows, since they tell how much light leaves the scene, and are shot. Left out
-//! is what has no light in the state that a run starts from either, so that no bit of any iteration changes.
+//! The flood goes over regions ([`crate::cpu::regions`]), of which there are few. Emitters keep their rows,
+//! since they tell how much light leaves the scene, and are shot. Left out is what has no light in the state that a run starts from either, so that no bit of any iteration changes.
 
 use scene::{Rgb, Solution};
 

@@ -95,11 +95,7 @@ impl RowSource for LampRows<'_> {
                 viewer.refine(PatchId(patch), drawn.row(k), drawn.unseen(k))
             })
             .collect();
-        let mut batch = RowBatch::new(patches.start);
-        for (row, unseen) in rows {
-            batch.push(&row, unseen);
-        }
-        Ok(batch)
+        Ok(RowBatch::of(patches.start, &rows))
     }
 
     fn preferred_batch(&self) -> u32 {

@@ -1,0 +1,190 @@
+//! Rays see what is drawn.
+
+use std::sync::Arc;
+
+use glam::{DVec3, Quat, Vec3};
+use scene::{Material, MaterialId, ObjectId, PatchId, Rgb, Scene, Surface, SurfaceId};
+
+use crate::cpu::item_buffer::{BACK_FACE, HemicubeDrawer, NOTHING};
+use crate::cpu::{CpuRows, Drawable};
+use crate::hemicubes::Hemicubes;
+use crate::lamps::with_lamps;
+use crate::rows::{RowBatch, UNITS_PER_ONE};
+use crate::settings::{FormFactorSettings, LampViews, Points};
+
+type Triangle = [Vec3; 3];
+
+fn scene(surfaces: &[Triangle], max_area: f64) -> Scene {
+    let material = |emission: f32| Material {
+        name: "stone".into(),
+        reflectance: Rgb::splat(0.5),
+        emission: Rgb::splat(emission),
+    };
+    // The last two shine.
+    let surface = |(k, &corners): (usize, &Triangle)| Surface {
+        corners,
+        material: MaterialId(u32::from(k + 2 >= surfaces.len())),
+        object: ObjectId(0),
+    };
+    let surfaces = surfaces.iter().enumerate().map(surface).collect();
+    let materials = vec![material(0.0), material(9.0)];
+    let objects = vec!["all".into()];
+    Scene::with_max_area(materials, objects, surfaces, max_area, DVec3::ZERO).unwrap()
+}
+
+/// A sphere of radius about 1 m with bumps, turned inwards: a cube whose faces have `cells` x `cells`
+/// squares of two triangles, blown up.
+fn bumpy_sphere(cells: u32) -> Vec<Triangle> {
+    let at = |face: u32, i: u32, j: u32| -> Vec3 {
+        let across = |k: u32| 2.0 * k as f32 / cells as f32 - 1.0;
+        let (x, y) = (across(i), across(j));
+        let on_cube = match face {
+            0 => Vec3::new(x, y, 1.0),
+            1 => Vec3::new(y, x, -1.0),
+            2 => Vec3::new(1.0, x, y),
+            3 => Vec3::new(-1.0, y, x),
+            4 => Vec3::new(y, 1.0, x),
+            _ => Vec3::new(x, -1.0, y),
+        };
+        let out = on_cube.normalize();
+        let bumps = (9.0 * out.x).sin() * (8.0 * out.y).cos() * (7.0 * out.z).sin();
+        (1.0 + 0.05 * bumps) * out
+    };
+    let mut surfaces = Vec::new();
+    for k in 0..6 * cells * cells {
+        let (face, i, j) = (k / (cells * cells), k / cells % cells, k % cells);
+        let [a, b] = [at(face, i, j), at(face, i + 1, j)];
+        let [c, d] = [at(face, i, j + 1), at(face, i + 1, j + 1)];
+        surfaces.extend([[a, c, b], [b, c, d]]);
+    }
+    surfaces
+}
+
+/// A ball in the sphere, seen from outside, and a square that floats in it, of which both sides are seen.
+fn furnished_sphere() -> Vec<Triangle> {
+    let mut surfaces = bumpy_sphere(20);
+    let place = |p: Vec3| 0.3 * p + Vec3::new(0.2, 0.1, 0.3);
+    surfaces.extend(
+        bumpy_sphere(12)
+            .into_iter()
+            .map(|[a, b, c]| [a, c, b].map(place)),
+    );
+    let turn = Quat::from_rotation_x(0.4) * Quat::from_rotation_y(0.3);
+    let corner = |x: f32, y: f32| turn * Vec3::new(0.6 * x, 0.6 * y, 0.0) - 0.4;
+    let [a, b, c, d] = [
+        corner(0.0, 0.0),
+        corner(1.0, 0.0),
+        corner(1.0, 1.0),
+        corner(0.0, 1.0),
+    ];
+    surfaces.extend([[a, b, c], [a, c, d]]);
+    surfaces
+}
+
+fn settings(resolution: u32) -> FormFactorSettings {
+    FormFactorSettings {
+        points: Points::CENTROID,
+        ..FormFactorSettings::new(resolution)
+    }
+}
+
+/// All is drawn; rays are cast for all.
+fn both_ways(scene: &Scene) -> [Arc<Drawable<'_>>; 2] {
+    [f64::INFINITY, 0.0].map(|fewest| Arc::new(Drawable::casting_from(scene, fewest)))
+}
+
+/// Where the two see different surfaces, these have an edge in common, or a corner: the pixel lies on it. Patches of
+/// a surface are looked up in the same way.
+#[test]
+fn rays_see_what_is_drawn_but_on_edges() {
+    for max_area in [f64::INFINITY, 0.002] {
+        let scene = scene(&furnished_sphere(), max_area);
+        let drawables = both_ways(&scene);
+        let hemicubes = Hemicubes::between(&scene, &drawables[0], settings(64));
+        let mut drawers = drawables.each_ref().map(|d| HemicubeDrawer::new(d, 64));
+        let (mut pixels, mut differing, mut backs) = (0, 0, 0);
+        let step = (scene.patch_count() / 40) as usize;
+        for patch in (0..scene.patch_count()).step_by(step).map(PatchId) {
+            let own = hemicubes.surface_of(patch);
+            let frame = hemicubes.frames(patch)[0];
+            let [drawn, cast] = drawers.each_mut().map(|d| d.item_buffer(own, &frame));
+            pixels += drawn.len();
+            backs += cast.iter().filter(|&&id| id == BACK_FACE).count();
+            for (&a, &b) in drawn.iter().zip(&cast).filter(|(a, b)| a != b) {
+                differing += 1;
+                assert!(a < NOTHING && b < NOTHING, "{patch:?}: {a} and {b}");
+                let [a, b] = [a, b].map(|id| hemicubes.surface_of(PatchId(id)));
+                assert!(are_neighbours(&scene, a, b), "{patch:?}: {a:?} and {b:?}");
+            }
+        }
+        println!("{differing} of {pixels} pixels differ");
+        assert!(backs > 0, "no back was seen");
+        // Margins move edges by some 8e-7 m, which from a metre is 3e-5 of the 32 pixels of a radian, and a
+        // pixel has some three pixels of edges in it: 1e-4 of the pixels, or twice that.
+        assert!(differing < pixels / 5000, "{differing} of {pixels}");
+    }
+}
+
+fn are_neighbours(scene: &Scene, a: SurfaceId, b: SurfaceId) -> bool {
+    let [a, b] = [a, b].map(|id| scene.surface(id).corners);
+    a.iter().any(|corner| b.contains(corner))
+}
+
+#[test]
+fn nothing_is_seen_between_triangles() {
+    let scene = scene(&bumpy_sphere(24), f64::INFINITY);
+    let [_, cast] = both_ways(&scene);
+    let hemicubes = Hemicubes::between(&scene, &cast, settings(128));
+    let mut drawer = HemicubeDrawer::new(&cast, 128);
+    for patch in (0..scene.patch_count()).step_by(97).map(PatchId) {
+        let frame = hemicubes.frames(patch)[0];
+        let ids = drawer.item_buffer(hemicubes.surface_of(patch), &frame);
+        assert!(!ids.contains(&NOTHING), "{patch:?}");
+        // Bumps are seen from their fronts alone.
+        assert!(!ids.contains(&BACK_FACE), "{patch:?}");
+    }
+}
+
+/// Triangles at the same place, and a hierarchy that cannot tell them apart: the first in the scene wins.
+#[test]
+fn the_first_of_equals_is_seen() {
+    let [a, b, c] = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    let above = [Vec3::Z, Vec3::Z + Vec3::Y, Vec3::Z + Vec3::X];
+    let scene = scene(&[[a, b, c], above, above, above, above, above, above], 1.0);
+    let drawables = both_ways(&scene);
+    let hemicubes = Hemicubes::between(&scene, &drawables[0], settings(32));
+    let frame = hemicubes.frames(PatchId(0))[0];
+    for drawable in &drawables {
+        let ids = HemicubeDrawer::new(drawable, 32).item_buffer(SurfaceId(0), &frame);
+        assert!(ids.iter().all(|&id| id == 1 || id == NOTHING));
+        assert!(ids.contains(&1));
+    }
+}
+
+/// With views of lamps, which are windows of other sizes. A pixel on an edge counts for one of two neighbours: at
+/// most 4 / (pi 64^2) = 3e-4 of a row, and twice in a sum of differences; three such pixels may be in one.
+#[test]
+fn rows_are_the_same_but_for_pixels_on_edges() {
+    let scene = scene(&furnished_sphere(), f64::INFINITY);
+    let rows = both_ways(&scene).map(|drawable| -> Vec<RowBatch> {
+        let hemicubes = Arc::new(Hemicubes::between(&scene, &drawable, settings(64)));
+        let inner = Box::new(CpuRows::new(&hemicubes));
+        let mut rows = with_lamps(&hemicubes, LampViews::All, inner);
+        let patches = (0..scene.patch_count()).step_by(61);
+        patches
+            .map(|patch| rows.draw_rows(patch..patch + 1).unwrap())
+            .collect()
+    });
+    let [drawn, cast] = rows;
+    for (drawn, cast) in drawn.iter().zip(&cast) {
+        let mut difference = vec![0.0; scene.patch_count() as usize];
+        for (row, sign) in [(drawn.row(0), 1.0), (cast.row(0), -1.0)] {
+            for entry in row {
+                difference[entry.patch as usize] += sign * f64::from(entry.units);
+            }
+        }
+        let sum: f64 = difference.iter().map(|d| d.abs()).sum();
+        let one = f64::from(UNITS_PER_ONE);
+        assert!(sum < 2e-3 * one, "{:?}: {}", drawn.patches(), sum / one);
+    }
+}
