@@ -4,6 +4,7 @@ use glam::DVec3;
 use scene::{Scene, SurfaceId};
 
 use super::hierarchy::Hierarchy;
+use super::locate::Locators;
 use super::projection::{plane_tolerance, reach};
 use super::regions::Regions;
 
@@ -16,8 +17,7 @@ pub struct Drawable<'a> {
     pub(super) vertices: [Vec<f64>; 3],
     /// One per region.
     pub(super) facts: Vec<RegionFacts>,
-    /// Where the members of each region begin among those of all; then the number of all.
-    first_members: Vec<usize>,
+    pub(super) locators: Locators,
     pub(super) plane_tolerance: f64,
     /// Where pieces are so many that rays may be cast.
     pub(super) hierarchy: Option<Hierarchy>,
@@ -75,19 +75,13 @@ impl<'a> Drawable<'a> {
                 }
             })
             .collect();
-        let mut first_members = vec![0];
-        let mut count = 0;
-        for region in regions.regions() {
-            count += region.locator.as_ref().map_or(0, |l| l.members().len());
-            first_members.push(count);
-        }
         let plane_tolerance = plane_tolerance(scene);
         let fewest = pieces_per_pixel * FEWEST_PIXELS as f64;
         let hierarchy = (regions.pieces().len() as f64 > fewest)
             .then(|| Hierarchy::new(&regions, (BOX_MARGIN * plane_tolerance) as f32));
         Self {
             scene,
-            first_members,
+            locators: Locators::new(&regions),
             vertices: [axis(0), axis(1), axis(2)],
             facts,
             plane_tolerance,
@@ -117,16 +111,6 @@ impl<'a> Drawable<'a> {
     /// [`plane_tolerance`] of the scene, metres.
     pub fn plane_tolerance(&self) -> f64 {
         self.plane_tolerance
-    }
-
-    /// Where the members of a region begin among those of all regions.
-    pub(super) fn first_member(&self, region: u32) -> usize {
-        self.first_members[region as usize]
-    }
-
-    /// How many members all regions have that have a locator.
-    pub(super) fn member_count(&self) -> usize {
-        self.first_members.last().copied().unwrap_or_default()
     }
 
     /// The region that a surface is in.

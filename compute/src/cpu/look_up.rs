@@ -17,10 +17,10 @@ use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*, u32x8};
 use fearless_simd_macros::simd;
 use glam::DVec3;
 
-use super::projection::{OverPixels, Projection, over_pixels};
+use super::locate::{Located, Points};
+use super::projection::{Projection, over_pixels};
 use super::raster::NONE;
 use super::runs::for_each_run;
-use super::walk::{MemberOverPixels, NO_PICTURE, Walk};
 use crate::hemicube::Window;
 
 /// Looks patches up, row by row of a picture.
@@ -33,10 +33,10 @@ pub(super) struct LookUp {
     back_face: u32,
     /// How each of the projection's pieces is looked up, as far as it has been asked for.
     ways: Vec<Way>,
-    /// Of all regions' members, see [`Drawable::first_member`].
-    members: Vec<MemberOverPixels>,
-    /// Counts pictures; what is of another one is not valid.
-    picture: u32,
+    /// What one row's pixels see of regions of many surfaces.
+    points: Points,
+    /// Runs of one row: where the pixels begin and end, and the piece that they see.
+    runs: Vec<(u32, u32, u32)>,
     /// One row of patch IDs.
     ids: Vec<u32>,
 }
@@ -54,20 +54,17 @@ enum Way {
     /// By bisection of one surface.
     Surface(Tree),
     /// By finding the surface first, from the region's coordinates.
-    Many {
-        region: u32,
-        coordinates: [OverPixels; 3],
-        /// The member that the last run began on.
-        last: u32,
-    },
+    Many(Located),
 }
 
-/// A bisection tree over the pixels.
+/// A bisection tree over the pixels: a - b, c and a + b + c, see [`scene::bisection`].
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Tree {
-    pub barycentric: [Linear; 3],
-    pub first_patch: u32,
-    pub depth: u32,
+struct Tree {
+    difference: Linear,
+    third: Linear,
+    sum: Linear,
+    first_patch: u32,
+    depth: u32,
 }
 
 impl LookUp {
@@ -85,14 +82,6 @@ impl LookUp {
         self.ways.clear();
         self.ways.resize(projection.pieces.len(), Way::NotAsked);
         self.ids.resize(window.width + LOOK_UP_LANES, 0);
-        self.picture = self.picture.checked_add(1).unwrap_or_else(|| {
-            self.members.clear();
-            NO_PICTURE + 1
-        });
-        self.members.resize(
-            projection.drawable.member_count(),
-            MemberOverPixels::NOT_SET_UP,
-        );
     }
 
     /// Takes what is not of some regions, ascending, for nothing.
@@ -126,20 +115,24 @@ fn way(projection: &Projection, window: &Window, index: usize, back_face: u32) -
     }
     let drawable = &projection.drawable;
     let facts = &drawable.facts[seen.region as usize];
-    let coordinates = || projection.coordinates(seen.region);
-    let linear = |e: DVec3| over_pixels(e, window).map(|value| value as f32);
     match &drawable.regions().regions()[seen.region as usize].locator {
         None if facts.depth == 0 => Way::Constant(facts.first_patch),
-        None => Way::Surface(Tree {
-            barycentric: coordinates().map(linear),
-            first_patch: facts.first_patch,
-            depth: facts.depth,
-        }),
-        Some(_) => Way::Many {
-            region: seen.region,
-            coordinates: coordinates().map(|e| over_pixels(e, window)),
-            last: 0,
-        },
+        None => {
+            let [a, b, c] = projection.coordinates(seen.region);
+            let linear = |e: DVec3| over_pixels(e, window).map(|value| value as f32);
+            Way::Surface(Tree {
+                difference: linear(a - b),
+                third: linear(c),
+                sum: linear(a + b + c),
+                first_patch: facts.first_patch,
+                depth: facts.depth,
+            })
+        }
+        Some(locator) => {
+            let coordinates = projection.coordinates(seen.region);
+            let over_pixels = coordinates.map(|e| over_pixels(e, window));
+            Way::Many(Located::new(drawable, seen.region, locator, over_pixels))
+        }
     }
 }
 
@@ -156,102 +149,109 @@ fn look_up_row<S: Simd>(
         nothing,
         back_face,
         ways,
-        members,
-        picture,
+        points,
+        runs,
         ids,
     } = look_up
     else {
         return;
     };
+    points.clear();
+    runs.clear();
     for_each_run(
         simd,
         pieces,
         #[inline(always)]
         |index, start, end| {
+            runs.push((start as u32, end as u32, index));
             if index == NONE {
-                ids[start..end].fill(*nothing);
                 return;
             }
             let stored = &mut ways[index as usize];
             if let Way::NotAsked = stored {
                 *stored = way(projection, window, index as usize, *back_face);
             }
-            let padded = start..start + (end - start).next_multiple_of(LOOK_UP_LANES);
-            match stored {
-                Way::NotAsked => {}
-                Way::Constant(id) => ids[start..end].fill(*id),
-                Way::Surface(tree) => {
-                    look_up_tree(simd, tree, j as f32, start, &mut ids[padded]);
-                }
-                Way::Many {
-                    region,
-                    coordinates,
-                    last,
-                } => {
-                    let drawable = &projection.drawable;
-                    let first_member = drawable.first_member(*region);
-                    if let Some(locator) = &drawable.regions().regions()[*region as usize].locator {
-                        let mut walk = Walk {
-                            locator,
-                            coordinates,
-                            members: &mut members[first_member..][..locator.members().len()],
-                            picture: *picture,
-                            row: j,
-                        };
-                        walk.look_up(simd, start..end, last, ids);
-                    }
-                }
+            if let Way::Many(located) = stored {
+                points.add(simd, located, j, start..end);
             }
         },
     );
-}
-
-/// The same patch for all.
-#[inline(always)]
-pub(super) fn fill<S: Simd>(simd: S, patch: u32, ids: &mut [u32]) {
-    let patches = u32x8::splat(simd, patch);
-    for ids in ids.chunks_exact_mut(LOOK_UP_LANES) {
-        patches.store_slice(ids);
+    let mut found = points.look_up(simd, &projection.drawable.locators);
+    // What is written beyond the end of a run is overwritten by the next one.
+    for &(start, end, index) in runs.iter() {
+        let (start, end) = (start as usize, end as usize);
+        if index == NONE {
+            ids[start..end].fill(*nothing);
+            continue;
+        }
+        let padded = start..start + (end - start).next_multiple_of(LOOK_UP_LANES);
+        match &ways[index as usize] {
+            Way::NotAsked => {}
+            Way::Constant(id) => ids[start..end].fill(*id),
+            Way::Surface(tree) => {
+                look_up_tree(simd, tree, j as f32, start, &mut ids[padded]);
+            }
+            Way::Many(_) => {
+                let (these, others) = found.split_at(padded.len());
+                found = others;
+                let to = ids[padded].chunks_exact_mut(LOOK_UP_LANES);
+                for (to, from) in to.zip(these.chunks_exact(LOOK_UP_LANES)) {
+                    to.copy_from_slice(from);
+                }
+            }
+        }
     }
 }
 
 /// Patch IDs of pixels from `start` on of row j in one surface.
 #[inline(always)]
-pub(super) fn look_up_tree<S: Simd>(simd: S, tree: &Tree, j: f32, start: usize, ids: &mut [u32]) {
+fn look_up_tree<S: Simd>(simd: S, tree: &Tree, j: f32, start: usize, ids: &mut [u32]) {
     let iota = f32x8::from_fn(simd, |lane| lane as f32);
+    let row = |[a, b, c]: Linear| [a, b * j + c];
+    let (difference, third, sum) = (row(tree.difference), row(tree.third), row(tree.sum));
     for (k, ids) in ids.chunks_exact_mut(LOOK_UP_LANES).enumerate() {
         let i = iota + (start + k * LOOK_UP_LANES) as f32;
-        let [a, b, c] = &tree.barycentric;
-        let barycentric = [at(*a, i, j), at(*b, i, j), at(*c, i, j)];
-        let code = leaf_codes(simd, barycentric, tree.depth);
+        let code = leaf_codes(
+            simd,
+            [at(difference, i), at(third, i), at(sum, i)],
+            tree.depth,
+        );
         (code + tree.first_patch).store_slice(ids);
     }
 }
 
-/// Pixels looked up at a time. Runs of one surface are often short, so that wider vectors, where
+/// Pixels looked up at a time. Runs of one region are often short, so that wider vectors, where
 /// there are any, would mostly look up pixels that nobody asked for.
 pub(super) const LOOK_UP_LANES: usize = 8;
 
-/// A value at pixels i of row j.
+/// Coefficients of i and of 1 of a value over the pixels of a row.
+pub(super) type AlongRow = [f32; 2];
+
+/// A value at pixels i.
 #[inline(always)]
-fn at<S: Simd>([a, b, c]: Linear, i: f32x8<S>, j: f32) -> f32x8<S> {
-    i * a + (b * j + c)
+pub(super) fn at<S: Simd>([a, b]: AlongRow, i: f32x8<S>) -> f32x8<S> {
+    i * a + b
 }
 
-/// The walk down of [`scene::bisection::locate`], all lanes together.
+/// The walk down of [`scene::bisection::locate`], all lanes together. It is told a - b, c and a + b + c, which stays:
+/// a child's a - b is |a - b| - c in the first one, and the opposite in the second one, its c is twice the lesser
+/// of a and b.
 #[inline(always)]
-fn leaf_codes<S: Simd>(simd: S, [mut a, mut b, mut c]: [f32x8<S>; 3], depth: u32) -> u32x8<S> {
-    let one = u32x8::splat(simd, 1);
-    let zero = u32x8::splat(simd, 0);
-    let mut code = zero;
+pub(super) fn leaf_codes<S: Simd>(
+    simd: S,
+    [difference, third, sum]: [f32x8<S>; 3],
+    depth: u32,
+) -> u32x8<S> {
+    const SIGN: u32 = 1 << 31;
+    let (mut difference, mut third) = (difference, third);
+    let mut code = u32x8::splat(simd, 0);
     for _ in 0..depth {
-        let second = a.simd_lt(b);
-        let difference = (a - b).abs();
-        let least = a.min(b);
-        a = second.select(c, difference);
-        b = second.select(difference, c);
-        c = least + least;
-        code = (code + code) | second.select(one, zero);
+        let sign = difference.bitcast::<u32x8<S>>() & SIGN;
+        let magnitude = difference.abs();
+        let first = (magnitude - third).bitcast::<u32x8<S>>();
+        difference = (first ^ sign).bitcast();
+        third = sum - (third + magnitude);
+        code = (code + code) | (sign >> 31);
     }
     code
 }

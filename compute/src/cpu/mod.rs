@@ -4,6 +4,7 @@ mod cast;
 mod drawable;
 mod hierarchy;
 pub mod item_buffer;
+mod locate;
 mod look_up;
 mod outside;
 mod projection;
@@ -11,7 +12,6 @@ mod raster;
 pub mod regions;
 pub mod rows;
 mod runs;
-mod walk;
 
 pub use drawable::Drawable;
 pub use projection::{COORDINATE_ULPS, Cull, Projection, is_in_plane, plane_tolerance, reach};

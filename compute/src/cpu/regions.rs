@@ -26,7 +26,8 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use scene::{Scene, SurfaceId};
 
-pub use locator::{Locator, Member, NO_MEMBER};
+pub(super) use locator::{LEAF, Node, STEEP, Tree};
+pub use locator::{Locator, Member};
 
 use flood::Group;
 use outline::{Mesh, Outline};

@@ -1,20 +1,22 @@
 //! Finds which surface of a region holds a point.
 //!
 //! # Method
-//! A uniform grid over the region's bounding box, about two cells a surface, and in each cell a binary
-//! space partition by lines along the surfaces' sides. Regular walls have one line in a cell, or none.
+//! A uniform grid over the region's bounding box, some cells a surface, and in each cell a binary
+//! space partition by lines along the surfaces' sides. Regular walls have one line in a cell, or none: a point's
+//! cell is the root of its partition, and mostly all of it.
 //!
 //! # Exactness
-//! Lines are linear in the region's coordinates p, whose sum is s: a line's value is the distance from it times
-//! s, the sum of c_k p_k, where |c_k| is at most the distance of the reference's corners from any line
-//! across the box, below 3 D for a box with the diagonal D. Coefficients, coordinates, products and
-//! sums are rounded, each by 2^-24 relative: 6 in a row. As 0 <= p_k <= s, an error of the distance is below
-//! 3 * 6 * 3 D 2^-24 = 3.3e-6 D. A point so far from all edges or farther is given to the surface that
-//! holds it. A cell's border may be mistaken by less, but where it is the same surface is on both sides.
+//! Points are given by columns x and rows y from the grid's lowest corner, lines as x = a + b y or y = a + b x, so that
+//! in metres b is at most 1. For a line across a box of width W, height H and diagonal D, in metres,
+//! x is at most W, b y at most H, a at most W + H, or the other way round. x and y are right to 4 roundings of 2^-24 relative
+//! (two products, a division, a sum), a to one, b y to 6, and there are two sums: an error of the distance is below
+//! (4 W + (W + H) + 6 H + 2 (W + H)) 2^-24 < 16 D 2^-24 = 9.6e-7 D. A point so far from all edges or farther is given to the
+//! surface that holds it. A cell's border may be mistaken by less, but where it is the same surface is on both sides.
 
 // The caller is vectorised: compiled on its own this would be for the baseline instruction set.
 #![allow(clippy::inline_always)]
 
+use bytemuck::{Pod, Zeroable};
 use scene::SurfaceId;
 
 /// One surface of a region.
@@ -29,23 +31,56 @@ pub struct Member {
     /// `barycentric[k] . p` is the k-th barycentric coordinate in the surface of the point with
     /// the region's coordinates p, with the same common factor; dimensionless.
     pub barycentric: [[f64; 3]; 3],
-    /// The member that lies beyond the side where the k-th barycentric coordinate is 0, or [`NO_MEMBER`] where
-    /// there is none that shares the side.
-    pub neighbours: [u32; 3],
 }
 
-/// No member.
-pub const NO_MEMBER: u32 = u32::MAX;
-
 /// Marks a code that stands for a member, not a node.
-pub(super) const LEAF: u32 = 1 << 31;
+pub(in crate::cpu) const LEAF: u32 = 1 << 31;
 
-/// A line, and what is on either side of it: codes, of nodes or with [`LEAF`] of members.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Node {
-    /// Coefficients of the region's coordinates; at least 0 on the first side.
-    pub line: [f32; 3],
+/// Marks the first of a node's codes where its line is x = a + b y. Else it is y = a + b x.
+pub(in crate::cpu) const STEEP: u32 = 1 << 30;
+
+/// A line, and what is on either side of it; one vector of four words.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C, align(16))]
+pub(in crate::cpu) struct Node {
+    /// Coefficients a and b, in columns and rows.
+    pub line: [f32; 2],
+    /// Codes, of nodes or with [`LEAF`] of members: of what is below the line (x < a + b y), and of the other side.
     pub sides: [u32; 2],
+}
+
+impl Node {
+    /// All of a cell.
+    pub fn all(code: u32) -> Self {
+        Self {
+            line: [0.0; 2],
+            sides: [code; 2],
+        }
+    }
+
+    /// The code of the side on which a point is.
+    #[inline(always)]
+    pub fn side(&self, x: f32, y: f32) -> u32 {
+        let [a, b] = self.line;
+        let [below, other] = self.sides;
+        let (along, across) = if below & STEEP == 0 { (x, y) } else { (y, x) };
+        if across < a + b * along {
+            below & !STEEP
+        } else {
+            other
+        }
+    }
+}
+
+/// A member's bisection tree over the grid; one vector of eight words.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C, align(32))]
+pub(in crate::cpu) struct Tree {
+    /// Coefficients of 1, of the columns and of the rows of a - b and of c; see [`scene::bisection`].
+    pub difference: [f32; 3],
+    pub third: [f32; 3],
+    pub first_patch: u32,
+    pub depth: u32,
 }
 
 /// Finds which surface of a region holds a point.
@@ -53,9 +88,10 @@ pub(super) struct Node {
 pub struct Locator {
     /// In the order of their surfaces.
     pub(super) members: Vec<Member>,
+    /// One per member.
+    pub(super) trees: Vec<Tree>,
+    /// The first ones are the cells' roots, row by row.
     pub(super) nodes: Vec<Node>,
-    /// Codes, one per cell, row by row; at least one.
-    pub(super) cells: Vec<u32>,
     /// Cells in a row, and rows.
     pub(super) size: [u32; 2],
 }
@@ -65,25 +101,16 @@ impl Locator {
     /// coordinates with respect to [`super::Region::reference`], up to a common positive factor. Points that
     /// no surface holds are given to one near by.
     #[inline(always)]
-    pub fn locate(&self, point: [f32; 3]) -> usize {
-        let [a, b, c] = point;
-        let mut code = if let [only] = self.cells[..] {
-            only
-        } else {
-            // The reference's sides from its first corner are twice those of the grid.
-            let scale = 2.0 / (a + b + c);
-            // A cast saturates, and makes 0 of NaN.
-            let cell = |value: f32, count: u32| {
-                let cell = (value * (scale * count as f32)) as i32;
-                cell.clamp(0, count as i32 - 1) as u32
-            };
-            let (column, row) = (cell(b, self.size[0]), cell(c, self.size[1]));
-            self.cells[(row * self.size[0] + column) as usize]
-        };
+    pub fn locate(&self, [a, b, c]: [f32; 3]) -> usize {
+        // The reference's sides from its first corner are twice those of the grid.
+        let scale = 2.0 / (a + b + c);
+        let [columns, rows] = self.size;
+        let (x, y) = (b * scale * columns as f32, c * scale * rows as f32);
+        // A cast saturates, and makes 0 of NaN.
+        let cell = |value: f32, count: u32| (value as u32).min(count - 1);
+        let mut code = cell(y, rows) * columns + cell(x, columns);
         while code & LEAF == 0 {
-            let Node { line, sides } = &self.nodes[code as usize];
-            let value = line[0] * a + line[1] * b + line[2] * c;
-            code = sides[usize::from(value < 0.0)];
+            code = self.nodes[code as usize].side(x, y);
         }
         (code & !LEAF) as usize
     }
@@ -91,5 +118,20 @@ impl Locator {
     /// The surfaces, ascending.
     pub fn members(&self) -> &[Member] {
         &self.members
+    }
+
+    /// Columns and rows of the grid.
+    pub(in crate::cpu) fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// The nodes of all partitions; the first ones are the cells' roots, row by row.
+    pub(in crate::cpu) fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    /// One per member.
+    pub(in crate::cpu) fn trees(&self) -> &[Tree] {
+        &self.trees
     }
 }

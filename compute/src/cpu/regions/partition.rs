@@ -9,18 +9,39 @@ use glam::{DVec2, DVec3};
 use scene::{Scene, SurfaceId};
 
 use super::ULP;
-use super::locator::{LEAF, Locator, Member, NO_MEMBER, Node};
-use super::outline::{self, Mesh, Outline};
+use super::locator::{LEAF, Locator, Member, Node, STEEP, Tree};
+use super::outline::{Mesh, Outline};
 
-/// Widths up to this share of the box's diagonal do not count as parts of a surface: f64 rounding, far
-/// below what [`Locator`] can tell apart.
-const NOTHING: f64 = 1e-10;
+/// Widths up to this share of the box's diagonal do not count as parts of a surface: what [`Locator`] can just tell
+/// apart. It keeps what rounding of coordinates leaves of a regular mesh on the wrong side of a cell's border from
+/// being asked for.
+const NOTHING: f64 = 1e-6;
 
 /// The most surfaces of a cell whose sides are tried as its next line. Tuned: fans need some choice.
 const TRIED: usize = 4;
 
-/// The most nodes a surface.
+/// The most nodes a surface, beside those of the cells.
 const MOST_NODES: usize = 16;
+
+/// Cells a surface. Tuned: with fewer, more points need more than one line, with more the table is farther away. Regular
+/// meshes, whose rectangles are two surfaces each, want squares of whole numbers of half their cells.
+const CELLS: [f64; 3] = [32.0, 8.0, 2.0];
+
+/// The most cells of a scene, except that a surface has as many as the last of [`CELLS`] says.
+const MOST_OF_SCENE: f64 = (1 << 15) as f64;
+
+/// The most cells of a region, about: their numbers have to be exact as f32.
+const MOST_CELLS: f64 = (1 << 23) as f64;
+
+/// By how much the number of cells along an axis may be off what is wanted, relative.
+const OFF: f64 = 0.3;
+
+/// A vertex lies between two cells that is nearer than this share of a cell.
+const BETWEEN: f64 = 1e-3;
+
+/// Triangles and numbers of cells that are tried, at most.
+const MOST_TRIED_TRIANGLES: usize = 1 << 10;
+const MOST_TRIED_CELLS: usize = 1 << 6;
 
 /// A region's plane with the box around it.
 pub(super) struct Frame {
@@ -32,6 +53,8 @@ pub(super) struct Frame {
     triangles: Vec<[DVec2; 3]>,
     /// Size of what may come from rounding of the scene's coordinates, metres.
     rounding: f64,
+    /// Widths that do not count as parts of a surface, metres.
+    nothing: f64,
 }
 
 impl Frame {
@@ -51,6 +74,7 @@ impl Frame {
         let corner = point + low.x * right + low.y * up;
         let size = high - low;
         let reach = mesh.points.iter().map(|p| p.abs().max_element());
+        let rounding = 8.0 * ULP * reach.fold(0.0, f64::max);
         (size.min_element() > 0.0).then(|| Self {
             reference: [
                 corner,
@@ -63,7 +87,8 @@ impl Frame {
                 .iter()
                 .map(|corners| corners.map(|vertex| places[vertex as usize]))
                 .collect(),
-            rounding: 8.0 * ULP * reach.fold(0.0, f64::max),
+            rounding,
+            nothing: (0.5 * rounding).max(NOTHING * size.length()),
         })
     }
 
@@ -73,7 +98,7 @@ impl Frame {
         [DVec2::ZERO, twice.with_y(0.0), twice.with_x(0.0)]
     }
 
-    fn member(&self, scene: &Scene, mesh: &Mesh, surface: SurfaceId, triangle: usize) -> Member {
+    fn member(&self, scene: &Scene, surface: SurfaceId, triangle: usize) -> Member {
         let tree = scene.mesh().tree(surface);
         let [a, b, c] = self.triangles[triangle];
         let double_area = (b - a).perp_dot(c - a);
@@ -85,19 +110,37 @@ impl Frame {
                 self.corners()
                     .map(|p| (to - from).perp_dot(p - from) / double_area)
             }),
-            // The side beyond which the k-th coordinate is below 0 starts at the next corner.
-            neighbours: [1, 2, 0].map(|side| match mesh.mates[3 * triangle + side] {
-                outline::NONE => NO_MEMBER,
-                mate => mate / 3,
-            }),
         }
     }
 
-    fn node(&self, line: Line) -> Node {
-        Node {
-            line: self.corners().map(|p| line.left(p) as f32),
-            sides: [LEAF; 2],
-        }
+    /// What has certain values at the reference's corners, over a grid: its coefficients of 1, of the columns and of
+    /// the rows.
+    fn over_grid([at_corner, along, up]: [f64; 3], [columns, rows]: [u32; 2]) -> [f32; 3] {
+        // The reference's sides are twice the grid's.
+        [
+            at_corner,
+            (along - at_corner) / (2.0 * f64::from(columns)),
+            (up - at_corner) / (2.0 * f64::from(rows)),
+        ]
+        .map(|coefficient| coefficient as f32)
+    }
+
+    /// A line over a grid, both of its codes 0 as yet, and which of them is for its left.
+    fn node(&self, line: Line, [columns, rows]: [u32; 2]) -> (Node, usize) {
+        let Line { from, across } = line;
+        let cell = self.size / DVec2::new(columns.into(), rows.into());
+        let is_steep = across.x.abs() >= across.y.abs();
+        // With the coordinate that is to be compared as the second one.
+        let swap = |v: DVec2| if is_steep { DVec2::new(v.y, v.x) } else { v };
+        let (from, across, cell) = (swap(from), swap(across), swap(cell));
+        let slope = -across.x / across.y;
+        let a = (from.y - slope * from.x) / cell.y;
+        let b = slope * cell.x / cell.y;
+        let node = Node {
+            line: [a as f32, b as f32],
+            sides: [if is_steep { STEEP } else { 0 }, 0],
+        };
+        (node, usize::from(across.y > 0.0))
     }
 
     fn sides(&self, triangle: usize) -> [Line; 3] {
@@ -108,23 +151,58 @@ impl Frame {
         })
     }
 
-    /// Columns and rows: cells of half the surfaces' mean extents, two a surface at most.
-    fn grid(&self) -> [u32; 2] {
+    /// Columns and rows of cells, in the proportions of the surfaces' mean extents.
+    fn grid(&self, scene: &Scene) -> [u32; 2] {
         let count = self.triangles.len() as f64;
+        let surfaces = scene.surfaces().len() as f64;
+        let [.., fewest] = CELLS;
+        let fits = |cells: &f64| cells * surfaces <= MOST_OF_SCENE;
+        let a_surface = CELLS.into_iter().find(fits).unwrap_or(fewest);
         let sum: DVec2 = self
             .triangles
             .iter()
             .map(|[a, b, c]| a.max(*b).max(*c) - a.min(*b).min(*c))
             .sum();
-        let most = 2.0 * count;
-        let wanted = (most * self.size / sum).clamp(DVec2::ONE, DVec2::splat(most));
+        let most = (a_surface * count).min(MOST_CELLS);
+        // As many in each mean extent as gives that number where a rectangle is cut into pairs of triangles.
+        let in_extent = (2.0 * a_surface).sqrt();
+        let wanted = (in_extent * count * self.size / sum).clamp(DVec2::ONE, DVec2::splat(most));
         let excess = (wanted.x * wanted.y / most).max(1.0);
         // What one axis does not take the other one must.
         let fewer = (wanted / excess.sqrt()).max(DVec2::ONE);
         let limit = DVec2::new(most / fewer.y, most / fewer.x).max(DVec2::ONE);
-        // Rounded, as regular meshes want a whole number of cells to each of their own.
-        let cells = fewer.min(limit).round();
-        [cells.x as u32, cells.y as u32]
+        let cells = fewer.min(limit);
+        [DVec2::X, DVec2::Y].map(|axis| self.aligned(cells.dot(axis), axis))
+    }
+
+    /// How many cells an axis is cut into, near a wanted number, for most vertices to lie between two: then regular
+    /// meshes have few lines in a cell.
+    fn aligned(&self, wanted: f64, axis: DVec2) -> u32 {
+        let size = self.size.dot(axis);
+        let step = (self.triangles.len() / MOST_TRIED_TRIANGLES).max(1);
+        let places: Vec<f64> = self
+            .triangles
+            .iter()
+            .step_by(step)
+            .flatten()
+            .map(|corner| corner.dot(axis) / size)
+            .collect();
+        let between = |cells: u32| {
+            let is_between = |place: &&f64| {
+                let at = **place * f64::from(cells);
+                (at - at.round()).abs() < BETWEEN
+            };
+            places.iter().filter(is_between).count()
+        };
+        let first = ((1.0 - OFF) * wanted).ceil().max(1.0) as u32;
+        let last = ((1.0 + OFF) * wanted).max(1.0) as u32;
+        let step = (last.saturating_sub(first) as usize / MOST_TRIED_CELLS).max(1);
+        let nearest = wanted.round() as u32;
+        (first..=last)
+            .step_by(step)
+            .chain([nearest])
+            .max_by_key(|&cells| (between(cells), std::cmp::Reverse(cells.abs_diff(nearest))))
+            .unwrap_or(nearest)
     }
 }
 
@@ -185,14 +263,15 @@ impl Part {
     }
 
     /// The part in each of `count` equal strips along an axis, over the length `size`.
-    fn strips(&self, axis: DVec2, size: f64, count: u32) -> Vec<(u32, Self)> {
+    fn strips(&self, axis: DVec2, frame: &Frame, count: u32) -> Vec<(u32, Self)> {
+        let size = frame.size.dot(axis);
         let along = self.polygon.iter().map(|p| p.dot(axis));
         let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
             (low.min(x), high.max(x))
         });
         let scale = f64::from(count) / size;
-        let first = ((low + NOTHING * size) * scale) as u32;
-        let last = ((high - NOTHING * size) * scale) as u32;
+        let first = ((low + frame.nothing) * scale) as u32;
+        let last = ((high - frame.nothing) * scale) as u32;
         let (first, last) = (first.min(count - 1), last.min(count - 1));
         let border = |strip: u32, sign: f64| Line {
             from: axis * (f64::from(strip) / scale),
@@ -222,64 +301,75 @@ impl Locator {
         mesh: &Mesh,
         frame: &Frame,
     ) -> Option<Self> {
-        let members = surfaces
+        let members: Vec<Member> = surfaces
             .iter()
             .enumerate()
-            .map(|(triangle, &surface)| frame.member(scene, mesh, surface, triangle))
+            .map(|(triangle, &surface)| frame.member(scene, surface, triangle))
             .collect();
+        let size = if members.len() == 2 {
+            [1, 1]
+        } else {
+            frame.grid(scene)
+        };
         let mut locator = Self {
+            trees: members.iter().map(|member| tree(member, size)).collect(),
             members,
             nodes: Vec::new(),
-            cells: vec![0],
-            size: [1, 1],
+            size,
         };
         if surfaces.len() == 2 {
             let shared = mesh.mates.iter().take(3).position(|&mate| mate < 6)?;
-            locator.nodes.push(Node {
-                sides: [LEAF, LEAF | 1],
-                ..frame.node(frame.sides(0)[shared])
-            });
+            let line = frame.sides(0)[shared];
+            let (mut node, left) = frame.node(line, size);
+            node.sides[left] |= LEAF;
+            node.sides[1 - left] |= LEAF | 1;
+            locator.nodes.push(node);
             return Some(locator);
         }
-        locator.size = frame.grid();
-        let [columns, rows] = locator.size;
+        let [columns, rows] = size;
         let mut cells: Vec<Vec<Part>> = vec![Vec::new(); columns as usize * rows as usize];
         for (triangle, corners) in frame.triangles.iter().enumerate() {
             let part = Part {
                 triangle,
                 polygon: corners.to_vec(),
             };
-            for (row, strip) in part.strips(DVec2::Y, frame.size.y, rows) {
-                for (column, part) in strip.strips(DVec2::X, frame.size.x, columns) {
+            for (row, strip) in part.strips(DVec2::Y, frame, rows) {
+                for (column, part) in strip.strips(DVec2::X, frame, columns) {
                     cells[(row * columns + column) as usize].push(part);
                 }
             }
         }
-        let near = nearest(&cells, locator.size);
-        locator.cells.clear();
-        for (parts, near) in cells.into_iter().zip(near) {
-            let code = if parts.is_empty() {
-                LEAF | near
+        let near = nearest(&cells, size);
+        locator.nodes.resize(cells.len(), Node::default());
+        for (cell, (parts, near)) in cells.into_iter().zip(near).enumerate() {
+            if parts.is_empty() {
+                locator.nodes[cell] = Node::all(LEAF | near);
             } else {
-                locator.part(frame, parts)?
-            };
-            locator.cells.push(code);
+                locator.part(frame, cell, parts)?;
+            }
         }
         Some(locator)
     }
 
-    /// The code of the partition of one cell.
-    fn part(&mut self, frame: &Frame, parts: Vec<Part>) -> Option<u32> {
-        let nothing = NOTHING * frame.size.length();
-        let mut root = LEAF;
+    /// Makes the partition of one cell.
+    fn part(&mut self, frame: &Frame, cell: usize, parts: Vec<Part>) -> Option<()> {
+        let nothing = frame.nothing;
+        let cells = self.size[0] as usize * self.size[1] as usize;
+        let most_nodes = cells + MOST_NODES * self.members.len();
         let mut stack = vec![(parts, None)];
         while let Some((parts, place)) = stack.pop() {
             let code = if let Some(line) = best_line(frame, &parts, nothing) {
-                if self.nodes.len() >= MOST_NODES * self.members.len() {
+                if self.nodes.len() >= most_nodes {
                     return None;
                 }
-                let node = self.nodes.len();
-                self.nodes.push(frame.node(line));
+                let (new, left_side) = frame.node(line, self.size);
+                let node = if place.is_none() {
+                    self.nodes[cell] = new;
+                    cell
+                } else {
+                    self.nodes.push(new);
+                    self.nodes.len() - 1
+                };
                 let right_line = Line {
                     across: -line.across,
                     ..line
@@ -296,18 +386,31 @@ impl Locator {
                         right.push(part);
                     }
                 }
-                stack.push((left, Some((node, 0))));
-                stack.push((right, Some((node, 1))));
+                stack.push((left, Some((node, left_side))));
+                stack.push((right, Some((node, 1 - left_side))));
                 node as u32
             } else {
                 LEAF | only(&parts, frame.rounding)?
             };
             match place {
-                None => root = code,
-                Some((node, side)) => self.nodes[node].sides[side] = code,
+                Some((node, side)) => self.nodes[node].sides[side] |= code,
+                None if code & LEAF != 0 => self.nodes[cell] = Node::all(code),
+                None => {}
             }
         }
-        Some(root)
+        Some(())
+    }
+}
+
+/// The bisection tree of a member over a grid.
+fn tree(member: &Member, size: [u32; 2]) -> Tree {
+    let [a, b, c] = member.barycentric;
+    let difference = [0, 1, 2].map(|k| a[k] - b[k]);
+    Tree {
+        difference: Frame::over_grid(difference, size),
+        third: Frame::over_grid(c, size),
+        first_patch: member.first_patch,
+        depth: member.depth,
     }
 }
 

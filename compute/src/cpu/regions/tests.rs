@@ -17,7 +17,7 @@ const AREA: f64 = 2.0 * pieces::AREA_TOLERANCE;
 const DIRECTION: f64 = 1e-12;
 
 /// Share of a region's size within which of an edge a point may be given to either side: see `locator.rs`, which
-/// derives 3.3e-6 diagonals, a diagonal being at most sqrt 2 sizes.
+/// derives 9.6e-7 diagonals, and `partition.rs`, which adds 1e-6, a diagonal being at most sqrt 2 sizes.
 const NEAR_EDGE: f64 = 1e-5;
 
 fn area(corners: &[DVec3]) -> f64 {
