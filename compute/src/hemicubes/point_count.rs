@@ -22,15 +22,17 @@
 //! - the form factors of what counts within `NEAR` radii change by at most a share `SETTLED` in sum with
 //!   either of the next two bisections.
 
+use std::f64::consts::PI;
+
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use scene::{PatchId, Scene, SurfaceId};
+use scene::{PatchId, Scene, Surface, SurfaceId};
 
 use super::Rule;
 use crate::cpu::{COORDINATE_ULPS, is_in_plane, plane_tolerance, reach};
 use crate::hemicube::Frame;
 use crate::polygon_form_factor::point_to_triangle;
-use crate::sphere::Sphere;
+use crate::sphere::{Sphere, Spheres};
 
 /// Distance in patch radii from which on one point does.
 const FAR: f64 = 16.0;
@@ -85,16 +87,58 @@ pub(super) fn firsts(scene: &Scene) -> Vec<u32> {
 /// What patches have around them.
 struct Surroundings<'a> {
     scene: &'a Scene,
+    spheres: Spheres,
     /// One per surface.
-    spheres: Vec<Sphere>,
+    facts: Vec<Facts>,
     plane_tolerance: f64,
+}
+
+/// What is asked of every surface that is near.
+#[derive(Clone, Copy, Debug)]
+struct Facts {
+    /// Unit vector.
+    normal: DVec3,
+    /// Product of the normal with the points of its plane, metres.
+    offset: f64,
+    /// m^2.
+    area: f64,
+    emits: bool,
+}
+
+impl Facts {
+    fn new(scene: &Scene, surface: &Surface) -> Self {
+        let normal = surface.normal();
+        Self {
+            normal,
+            offset: normal.dot(surface.corners[0].as_dvec3()),
+            area: surface.area(),
+            emits: scene.material(surface.material).is_emitter(),
+        }
+    }
+
+    /// False only where no point within `radius` of the eye, metres, can have a form factor of [`LEAST_FORM_FACTOR`]
+    /// to the surface, in its sphere: with both cosines as large as they can be and the distance as small, F is at
+    /// most A cos cos' / (pi d^2).
+    fn may_count(&self, sphere: &Sphere, frame: &Frame, radius: f64) -> bool {
+        let away = sphere.centre - frame.position;
+        let nearest = away.length() - sphere.radius - radius;
+        if self.emits || nearest <= 0.0 {
+            return true;
+        }
+        // Largest heights over each other's plane, no larger than what a cosine of 1 has.
+        let above = (frame.normal.dot(away) + sphere.radius).clamp(0.0, nearest);
+        let in_front = (self.normal.dot(frame.position) - self.offset + radius).clamp(0.0, nearest);
+        let squared = nearest * nearest;
+        self.area * above * in_front >= LEAST_FORM_FACTOR * PI * squared * squared
+    }
 }
 
 impl<'a> Surroundings<'a> {
     fn new(scene: &'a Scene) -> Self {
         Self {
             scene,
-            spheres: scene.surfaces().iter().map(Sphere::around).collect(),
+            spheres: Spheres::new(scene.surfaces()),
+            facts: scene.surfaces().iter().map(|s| Facts::new(scene, s)).collect(),
             plane_tolerance: plane_tolerance(scene),
         }
     }
@@ -115,26 +159,28 @@ impl<'a> Surroundings<'a> {
         let mut rule = FEWEST;
         let mut near: Vec<Neighbour> = Vec::new();
         let mut gap = f64::INFINITY;
-        for (id, sphere) in (0..).map(SurfaceId).zip(&self.spheres) {
-            // Once something is known to be within reach, only what is near matters.
-            let reach = if rule == FEWEST { FAR } else { NEAR };
-            if id == geometry.surface || !sphere.is_within(reach * radius, centroid) {
-                continue;
-            }
-            let Some(neighbour) = self.neighbour(&frame, &points, id) else {
-                continue;
-            };
-            let distance = distance_to_triangle(DVec3::ZERO, neighbour.corners);
-            if distance < FAR * radius {
-                rule = Rule::ThreePoint { bisections: 0 };
-            }
-            if distance < NEAR * radius {
-                if neighbour.normal.z < -0.5 {
-                    gap = gap.min(distance);
+        let far = FAR * radius;
+        self.spheres.for_each_within(far, centroid, |index, sphere| {
+            let id = SurfaceId(index as u32);
+            let facts = &self.facts[index];
+            if id != geometry.surface
+                && facts.may_count(sphere, &frame, radius)
+                && let Some(neighbour) = self.neighbour(&frame, &points, id)
+            {
+                let distance = distance_to_triangle(DVec3::ZERO, neighbour.corners);
+                if distance < far {
+                    rule = Rule::ThreePoint { bisections: 0 };
                 }
-                near.push(neighbour);
+                if distance < NEAR * radius {
+                    if neighbour.normal.z < -0.5 {
+                        gap = gap.min(distance);
+                    }
+                    near.push(neighbour);
+                }
             }
-        }
+            // Once something is known to be within reach, only what is near matters.
+            if rule == FEWEST { far } else { NEAR * radius }
+        });
         if near.is_empty() {
             return rule;
         }
@@ -170,7 +216,7 @@ impl<'a> Surroundings<'a> {
         if height == 0.0 || is_in_plane(height, self.plane_tolerance, frame.normal, reach) {
             return None;
         }
-        let normal = self.scene.surface(surface).normal();
+        let Facts { normal, emits, .. } = self.facts[surface.index()];
         let neighbour = Neighbour {
             corners,
             plane_tolerance: self
@@ -181,10 +227,6 @@ impl<'a> Surroundings<'a> {
                 .normalize_or_zero(),
         };
         let counts = |point| neighbour.form_factor(point) >= LEAST_FORM_FACTOR;
-        let emits = self
-            .scene
-            .material(self.scene.surface(surface).material)
-            .is_emitter();
         (emits || counts(DVec3::ZERO) || points.iter().copied().any(counts)).then_some(neighbour)
     }
 }
