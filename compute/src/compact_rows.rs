@@ -17,8 +17,8 @@
 //! A block is wide where it has an entry of [`WIDE_UNITS`] or more and where it has an emitting patch: what few
 //! patches or lamps send is not averaged away, and stays bit for bit. A narrow step is less than 2^-14 of
 //! the block's largest entry, and at most 2^-26 of a form factor of 1. What rounding leaves out of an entry
-//! is handed on to those that follow, a step to each at most, so a row keeps its sum to half a step, whatever its
-//! length, and equal radiosities are gathered as exactly as an f32 holds the result. Unequal ones
+//! is handed on to those that follow, and what it leaves out of a block to the next one, half a step to each entry at
+//! most, so a row keeps its sum to half a step, whatever its length, and equal radiosities are gathered as exactly as an f32 holds the result. Unequal ones
 //! have an error of about 2^-26 sqrt(n / 12) times their spread, where n entries have the largest
 //! step: a row has at most 2^11 entries that large, so that it is 2e-7 at most, a few roundings of an f32.
 //!
@@ -240,18 +240,7 @@ impl Encoder {
                     self.numbers.extend(bits.map(|bits| (bits >> 16) as u16));
                 }
             } else {
-                let step = f64::from(step(storage));
-                // Exact, since it is a power of two.
-                let per_step = 1.0 / step;
-                for entry in block {
-                    let exactly = f64::from(entry.units);
-                    // At most a step more or less: what large entries leave out is not put on a small one.
-                    let wanted = exactly + f64::clamp(left_out, -step, step);
-                    // To the nearest; a cast makes 0 of what is negative.
-                    let steps = ((wanted * per_step + 0.5) as u32).clamp(1, u16::MAX.into());
-                    left_out += exactly - f64::from(steps) * step;
-                    self.numbers.push(steps as u16);
-                }
+                left_out = self.push_narrow(block, step(storage).into(), left_out);
             }
         }
         self.entries += row.len() as u64;
@@ -259,6 +248,31 @@ impl Encoder {
             header: self.headers.len(),
             number: self.numbers.len(),
         });
+    }
+}
+
+impl Encoder {
+    /// Adds the numbers of a narrow block, to which `left_out` units are handed on, and hands on what it leaves out
+    /// itself. The sum up to each entry is rounded, and an entry is the difference of two such sums.
+    fn push_narrow(&mut self, block: &[Entry], step: f64, left_out: f64) -> f64 {
+        // Added to a number, this leaves its nearest integer in the lowest bits.
+        const TO_INTEGER: f64 = 1.5 * (1_u64 << 52) as f64;
+        // Half a step more or less at most: what large entries leave out is not put on small ones.
+        let count = block.len() as f64;
+        let each = (left_out / count).clamp(-0.5 * step, 0.5 * step);
+        // Exact, since it is a power of two.
+        let per_step = 1.0 / step;
+        let (mut sum, mut before, mut given) = (0.0, 0, 0);
+        self.numbers.extend(block.iter().map(|entry| {
+            sum += f64::from(entry.units) + each;
+            let rounded = (sum * per_step + TO_INTEGER).to_bits() as i32;
+            // None vanishes.
+            let steps = (rounded - before).max(1);
+            before = rounded;
+            given += steps;
+            steps as u16
+        }));
+        left_out + (sum - each * count) - f64::from(given) * step
     }
 }
 

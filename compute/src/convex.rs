@@ -28,7 +28,7 @@ use crate::faces::{Face, faces};
 use crate::hemicube::{Frame, pixel_count};
 use crate::hemicubes::Hemicubes;
 use crate::polygon_form_factor::edge_term;
-use crate::rows::{BackendError, Entry, RowBatch, RowSource, UNITS_PER_ONE, Unseen};
+use crate::rows::{BackendError, Entry, Row, RowBatch, RowSource, UNITS_PER_ONE, Unseen};
 use crate::settings::Maps;
 
 /// Pixels of a hemicube that are drawn and merged in the time that the formula takes for one patch.
@@ -68,7 +68,7 @@ impl<'a> ConvexRows<'a> {
     }
 
     /// The row of one patch.
-    fn row(&self, patch: PatchId) -> (Vec<Entry>, Unseen) {
+    fn row(&self, patch: PatchId) -> Row {
         let own = self.hemicubes.surface_of(patch);
         let face = &self.faces[self.hemicubes.drawable().region_of(own) as usize];
         let frames = self.hemicubes.frames(patch);
@@ -82,25 +82,25 @@ impl<'a> ConvexRows<'a> {
             patch,
             units: (factor * units_each) as f32,
         });
-        let row: Vec<Entry> = row.filter(|entry| entry.units > 0.0).collect();
+        let entries = row.filter(|entry| entry.units > 0.0).collect();
         let seen = factors.iter().sum::<f64>() * units_each;
         let unseen = Unseen {
             open: (one - seen).round() as u32,
             back_face: 0,
         };
-        (row, unseen)
+        Row { entries, unseen }
     }
 }
 
 impl RowSource for ConvexRows<'_> {
     fn draw_rows(&mut self, patches: Range<u32>) -> Result<RowBatch, BackendError> {
-        let rows: Vec<(Vec<Entry>, Unseen)> = patches
-            .clone()
+        let first = patches.start;
+        let rows = patches
             .into_par_iter()
             .with_min_len(ROWS_PER_TASK)
             .map(|patch| self.row(PatchId(patch)))
             .collect();
-        Ok(RowBatch::of(patches.start, &rows))
+        Ok(RowBatch::of(first, rows))
     }
 
     fn preferred_batch(&self) -> u32 {

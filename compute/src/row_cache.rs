@@ -9,10 +9,10 @@ use std::time::{Duration, Instant};
 use scene::PatchId;
 
 use crate::certificate::Received;
-use crate::compact_rows::{CompactRows, Exact, Row};
+use crate::compact_rows::{self, CompactRows, Exact};
 use crate::hemicubes::Hemicubes;
 use crate::interrupt;
-use crate::rows::{BackendError, RowBatch, RowSource, Unseen};
+use crate::rows::{BackendError, Row, RowBatch, RowSource, Unseen};
 
 /// All rows of a scene, as far as anybody asks for them.
 pub struct RowCache<'a> {
@@ -147,7 +147,7 @@ impl<'a> RowCache<'a> {
     /// What `take` and the back end say; [`io::ErrorKind::Interrupted`] where the user asked.
     pub fn for_each_row(
         &mut self,
-        mut take: impl FnMut(u32, Row) -> io::Result<()>,
+        mut take: impl FnMut(u32, compact_rows::Row) -> io::Result<()>,
     ) -> io::Result<()> {
         let mut patch = 0;
         while patch < self.patch_count {
@@ -263,10 +263,10 @@ impl<'a> RowCache<'a> {
             let end = first + run.len() as u32;
             if run[0] {
                 for _ in run {
-                    batch.push(&[], Unseen::default());
+                    batch.push(Row::default());
                 }
             } else {
-                batch.append(&self.source.draw_rows(first..end)?);
+                batch.append(self.source.draw_rows(first..end)?);
                 self.statistics.hemicubes += number(end) - number(first);
             }
             first = end;

@@ -28,66 +28,61 @@ pub struct Unseen {
     pub back_face: u32,
 }
 
+/// The form factors of one patch.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Row {
+    /// In patch order.
+    pub entries: Vec<Entry>,
+    /// What the patch does not see as patches.
+    pub unseen: Unseen,
+}
+
 /// Rows of consecutive patches.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RowBatch {
     first_patch: u32,
-    /// Where each row ends in `entries`, one per row.
-    ends: Vec<usize>,
-    entries: Vec<Entry>,
-    /// One per row.
-    unseen: Vec<Unseen>,
+    rows: Vec<Row>,
 }
 
 impl RowBatch {
     /// A batch without rows, whose first will be that of `first_patch`.
     pub fn new(first_patch: u32) -> Self {
-        Self {
-            first_patch,
-            ends: Vec::new(),
-            entries: Vec::new(),
-            unseen: Vec::new(),
-        }
+        Self::of(first_patch, Vec::new())
     }
 
     /// The rows of consecutive patches, the first of which is `first_patch`'s.
-    pub fn of(first_patch: u32, rows: &[(Vec<Entry>, Unseen)]) -> Self {
-        let mut batch = Self::new(first_patch);
-        for (row, unseen) in rows {
-            batch.push(row, *unseen);
-        }
-        batch
+    pub fn of(first_patch: u32, rows: Vec<Row>) -> Self {
+        Self { first_patch, rows }
     }
 
-    /// Adds the next patch's row; its entries are in patch order.
-    pub fn push(&mut self, row: &[Entry], unseen: Unseen) {
-        self.entries.extend_from_slice(row);
-        self.ends.push(self.entries.len());
-        self.unseen.push(unseen);
+    /// Adds the next patch's row.
+    pub fn push(&mut self, row: Row) {
+        self.rows.push(row);
     }
 
     /// Adds the rows of the patches that follow.
-    pub fn append(&mut self, next: &Self) {
-        let before = self.entries.len();
-        self.entries.extend_from_slice(&next.entries);
-        self.ends.extend(next.ends.iter().map(|end| before + end));
-        self.unseen.extend_from_slice(&next.unseen);
+    pub fn append(&mut self, mut next: Self) {
+        self.rows.append(&mut next.rows);
     }
 
     /// The patches whose rows these are.
     pub fn patches(&self) -> Range<u32> {
-        self.first_patch..self.first_patch + self.ends.len() as u32
+        self.first_patch..self.first_patch + self.rows.len() as u32
     }
 
     /// The row of the batch's k-th patch.
     pub fn row(&self, k: usize) -> &[Entry] {
-        let start = if k == 0 { 0 } else { self.ends[k - 1] };
-        &self.entries[start..self.ends[k]]
+        &self.rows[k].entries
     }
 
     /// What the batch's k-th patch does not see as patches.
     pub fn unseen(&self, k: usize) -> Unseen {
-        self.unseen[k]
+        self.rows[k].unseen
+    }
+
+    /// All rows.
+    pub fn rows_mut(&mut self) -> &mut [Row] {
+        &mut self.rows
     }
 }
 

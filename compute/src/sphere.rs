@@ -77,7 +77,13 @@ impl Spheres {
     ) {
         let top = self.levels.len() - 1;
         let mut distance = distance;
-        self.visit(top, 0..self.levels[top].len(), point, &mut distance, &mut take);
+        self.visit(
+            top,
+            0..self.levels[top].len(),
+            point,
+            &mut distance,
+            &mut take,
+        );
     }
 
     fn visit(

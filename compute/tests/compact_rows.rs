@@ -1,7 +1,7 @@
 //! Laws of rows as they are kept.
 
 use compute::compact_rows::{Channels, CompactRows, Exact, Gatherer, MOST_STEP, WIDE_UNITS};
-use compute::rows::{Entry, RowBatch, UNITS_PER_ONE, Unseen};
+use compute::rows::{Entry, Row, RowBatch, UNITS_PER_ONE, Unseen};
 use glam::DVec3;
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -42,7 +42,10 @@ fn any_row() -> impl Strategy<Value = Vec<Entry>> {
 fn batch(rows: &[Vec<Entry>]) -> RowBatch {
     let mut batch = RowBatch::new(3);
     for row in rows {
-        batch.push(row, Unseen::default());
+        batch.push(Row {
+            entries: row.clone(),
+            unseen: Unseen::default(),
+        });
     }
     batch
 }

@@ -96,7 +96,7 @@ impl Received {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rows::{Entry, Unseen};
+    use crate::rows::{Entry, Row, Unseen};
 
     /// More patches than one task adds up, and rows with gaps, one of which does not count.
     #[test]
@@ -119,7 +119,10 @@ mod tests {
                         areas[5 + k] * f64::from(entry.units) / f64::from(UNITS_PER_ONE);
                 }
             }
-            batch.push(&row, Unseen::default());
+            batch.push(Row {
+                entries: row,
+                unseen: Unseen::default(),
+            });
         }
         let pool = rayon::ThreadPoolBuilder::new().num_threads(4).build();
         let mut received = Received::new(&areas, count as u32);

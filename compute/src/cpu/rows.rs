@@ -13,7 +13,7 @@ use super::item_buffer::HemicubeDrawer;
 use super::runs::for_each_run;
 use crate::hemicube::pixel_count;
 use crate::hemicubes::Hemicubes;
-use crate::rows::{BackendError, Entry, RowBatch, RowSource, Unseen};
+use crate::rows::{BackendError, Entry, Row, RowBatch, RowSource, Unseen};
 
 /// The cpu back end. It draws on the threads of the rayon pool it is called in.
 pub struct CpuRows<'a> {
@@ -22,12 +22,10 @@ pub struct CpuRows<'a> {
     drawers: ThreadLocal<RefCell<RowDrawer<'a>>>,
 }
 
-/// Pixels that one thread draws at a time, and rows at most: the fewer, the more even the threads' work.
-const PIXELS_PER_TASK: usize = 1 << 18;
-const MOST_ROWS_PER_TASK: usize = 8;
-
-/// Tasks in a batch for each thread: enough to be even, few enough that an interrupt is answered soon.
-const TASKS_PER_THREAD: usize = 8;
+/// Pixels in a batch for each thread, and rows at most: enough that the threads' work is even, few enough that an
+/// interrupt is answered soon.
+const PIXELS_PER_THREAD: usize = 1 << 21;
+const MOST_ROWS_PER_THREAD: usize = 64;
 
 impl<'a> CpuRows<'a> {
     /// A back end for the hemicubes of one scene.
@@ -37,35 +35,33 @@ impl<'a> CpuRows<'a> {
             drawers: ThreadLocal::new(),
         }
     }
-
-    /// Rows that one thread draws at a time.
-    fn rows_per_task(&self) -> usize {
-        let pixels = pixel_count(self.hemicubes.settings().resolution);
-        (PIXELS_PER_TASK / pixels).clamp(1, MOST_ROWS_PER_TASK)
-    }
 }
 
 impl RowSource for CpuRows<'_> {
     fn draw_rows(&mut self, patches: Range<u32>) -> Result<RowBatch, BackendError> {
-        let mut batch = RowBatch::new(patches.start);
-        let pieces: Vec<RowBatch> = patches
-            .collect::<Vec<_>>()
-            .par_chunks(self.rows_per_task())
-            .map(|patches| {
+        let first = patches.start;
+        let rows = patches
+            .into_par_iter()
+            .with_max_len(1)
+            .map(|patch| {
                 let drawer = self
                     .drawers
                     .get_or(|| RefCell::new(RowDrawer::new(&self.hemicubes)));
-                drawer.borrow_mut().rows(patches)
+                let mut drawer = drawer.borrow_mut();
+                let (entries, unseen) = drawer.row(PatchId(patch));
+                Row {
+                    entries: entries.to_vec(),
+                    unseen,
+                }
             })
             .collect();
-        for piece in pieces {
-            batch.append(&piece);
-        }
-        Ok(batch)
+        Ok(RowBatch::of(first, rows))
     }
 
     fn preferred_batch(&self) -> u32 {
-        (rayon::current_num_threads() * TASKS_PER_THREAD * self.rows_per_task()) as u32
+        let pixels = pixel_count(self.hemicubes.settings().resolution);
+        let rows = (PIXELS_PER_THREAD / pixels).clamp(1, MOST_ROWS_PER_THREAD);
+        (rayon::current_num_threads() * rows) as u32
     }
 
     fn describe(&self) -> String {
@@ -114,15 +110,6 @@ impl<'a> RowDrawer<'a> {
         self.row.clear();
         let unseen = self.merger.take(&mut self.row);
         (&self.row, unseen)
-    }
-
-    fn rows(&mut self, patches: &[u32]) -> RowBatch {
-        let mut batch = RowBatch::new(patches[0]);
-        for &patch in patches {
-            let (row, unseen) = self.row(PatchId(patch));
-            batch.push(row, unseen);
-        }
-        batch
     }
 }
 

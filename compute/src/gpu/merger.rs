@@ -9,7 +9,7 @@ use super::structs::{
 };
 use crate::hemicube;
 use crate::hemicubes::Hemicubes;
-use crate::rows::{BackendError, Entry, RowBatch, Unseen};
+use crate::rows::{BackendError, Entry, Row, RowBatch, Unseen};
 
 /// What a batch's sums may take, and what its entries may, bytes each, unless one row alone takes
 /// more. Not tuned.
@@ -301,14 +301,15 @@ impl Merger {
         let mut start = 0;
         for summary in summaries {
             let end = summary.end as usize;
-            let row = entries
+            let entries = entries
                 .get(start..end)
-                .ok_or_else(|| gpu.lost("its sums are not those of any row"))?;
+                .ok_or_else(|| gpu.lost("its sums are not those of any row"))?
+                .to_vec();
             let unseen = Unseen {
                 open: summary.open,
                 back_face: summary.back_face,
             };
-            rows.push(row, unseen);
+            rows.push(Row { entries, unseen });
             start = end;
         }
         Ok(())

@@ -138,7 +138,11 @@ impl<'a> Surroundings<'a> {
         Self {
             scene,
             spheres: Spheres::new(scene.surfaces()),
-            facts: scene.surfaces().iter().map(|s| Facts::new(scene, s)).collect(),
+            facts: scene
+                .surfaces()
+                .iter()
+                .map(|s| Facts::new(scene, s))
+                .collect(),
             plane_tolerance: plane_tolerance(scene),
         }
     }
@@ -160,27 +164,28 @@ impl<'a> Surroundings<'a> {
         let mut near: Vec<Neighbour> = Vec::new();
         let mut gap = f64::INFINITY;
         let far = FAR * radius;
-        self.spheres.for_each_within(far, centroid, |index, sphere| {
-            let id = SurfaceId(index as u32);
-            let facts = &self.facts[index];
-            if id != geometry.surface
-                && facts.may_count(sphere, &frame, radius)
-                && let Some(neighbour) = self.neighbour(&frame, &points, id)
-            {
-                let distance = distance_to_triangle(DVec3::ZERO, neighbour.corners);
-                if distance < far {
-                    rule = Rule::ThreePoint { bisections: 0 };
-                }
-                if distance < NEAR * radius {
-                    if neighbour.normal.z < -0.5 {
-                        gap = gap.min(distance);
+        self.spheres
+            .for_each_within(far, centroid, |index, sphere| {
+                let id = SurfaceId(index as u32);
+                let facts = &self.facts[index];
+                if id != geometry.surface
+                    && facts.may_count(sphere, &frame, radius)
+                    && let Some(neighbour) = self.neighbour(&frame, &points, id)
+                {
+                    let distance = distance_to_triangle(DVec3::ZERO, neighbour.corners);
+                    if distance < far {
+                        rule = Rule::ThreePoint { bisections: 0 };
                     }
-                    near.push(neighbour);
+                    if distance < NEAR * radius {
+                        if neighbour.normal.z < -0.5 {
+                            gap = gap.min(distance);
+                        }
+                        near.push(neighbour);
+                    }
                 }
-            }
-            // Once something is known to be within reach, only what is near matters.
-            if rule == FEWEST { far } else { NEAR * radius }
-        });
+                // Once something is known to be within reach, only what is near matters.
+                if rule == FEWEST { far } else { NEAR * radius }
+            });
         if near.is_empty() {
             return rule;
         }

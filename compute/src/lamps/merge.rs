@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::view::Seen;
-use crate::rows::{Entry, UNITS_PER_ONE, Unseen};
+use crate::rows::{Entry, Row, UNITS_PER_ONE, Unseen};
 
 /// The parts of a row between some ascending ranges of patches.
 fn unreplaced<'r>(
@@ -25,10 +25,14 @@ fn unreplaced<'r>(
 
 /// The row with the lamps' entries replaced, all others scaled to keep the sum, in patch order. `None`
 /// where the hemicube sees nothing else that could take or give the difference.
-pub(super) fn merge(row: &[Entry], unseen: Unseen, seen: &Seen) -> Option<(Vec<Entry>, Unseen)> {
+pub(super) fn merge(row: &Row, seen: &Seen) -> Option<Row> {
     if seen.replaced.is_empty() {
         return None;
     }
+    let Row {
+        entries: row,
+        unseen,
+    } = row;
     let one = f64::from(UNITS_PER_ONE);
     let lamps: Vec<Entry> = seen
         .factors
@@ -64,5 +68,8 @@ pub(super) fn merge(row: &[Entry], unseen: Unseen, seen: &Seen) -> Option<(Vec<E
         open: (f64::from(unseen.open) * scale).round() as u32,
         back_face: (f64::from(unseen.back_face) * scale).round() as u32,
     };
-    Some((merged, unseen))
+    Some(Row {
+        entries: merged,
+        unseen,
+    })
 }

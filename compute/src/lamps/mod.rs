@@ -36,7 +36,7 @@ use thread_local::ThreadLocal;
 use self::find::{Lamp, lamps};
 use self::view::LampViewer;
 use crate::hemicubes::Hemicubes;
-use crate::rows::{BackendError, Entry, RowBatch, RowSource, Unseen};
+use crate::rows::{BackendError, RowBatch, RowSource};
 use crate::settings::{LampViews, Maps};
 
 /// Form factor rows in which lamps have their own views.
@@ -76,7 +76,8 @@ pub fn with_lamps<'a>(
 
 impl RowSource for LampRows<'_> {
     fn draw_rows(&mut self, patches: Range<u32>) -> Result<RowBatch, BackendError> {
-        let drawn = self.inner.draw_rows(patches.clone())?;
+        let first = patches.start;
+        let mut drawn = self.inner.draw_rows(patches)?;
         let Self {
             hemicubes,
             lamps,
@@ -84,18 +85,12 @@ impl RowSource for LampRows<'_> {
             viewers,
             ..
         } = &*self;
-        let rows: Vec<(Vec<Entry>, Unseen)> = patches
-            .clone()
-            .into_par_iter()
-            .map(|patch| {
-                let k = (patch - patches.start) as usize;
-                let viewer =
-                    viewers.get_or(|| RefCell::new(LampViewer::new(hemicubes, lamps, *all)));
-                let mut viewer = viewer.borrow_mut();
-                viewer.refine(PatchId(patch), drawn.row(k), drawn.unseen(k))
-            })
-            .collect();
-        Ok(RowBatch::of(patches.start, &rows))
+        let rows = drawn.rows_mut().par_iter_mut().enumerate();
+        rows.with_max_len(1).for_each(|(k, row)| {
+            let viewer = viewers.get_or(|| RefCell::new(LampViewer::new(hemicubes, lamps, *all)));
+            viewer.borrow_mut().refine(PatchId(first + k as u32), row);
+        });
+        Ok(drawn)
     }
 
     fn preferred_batch(&self) -> u32 {

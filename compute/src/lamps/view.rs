@@ -13,7 +13,7 @@ use crate::cpu::{Cull, Projection, Raster, is_in_plane, reach};
 use crate::hemicube::Frame;
 use crate::hemicubes::Hemicubes;
 use crate::polygon_form_factor::{in_front, point_to_polygon};
-use crate::rows::{Entry, Unseen};
+use crate::rows::Row;
 
 /// Share of the unhidden light of all lamps from which on one has its own view.
 const LEAST_SHARE: f64 = 0.01;
@@ -61,13 +61,8 @@ impl<'a> LampViewer<'a> {
         }
     }
 
-    /// The row in which the lamps that matter have their own factors.
-    pub fn refine(
-        &mut self,
-        patch: PatchId,
-        row: &[Entry],
-        unseen: Unseen,
-    ) -> (Vec<Entry>, Unseen) {
+    /// Gives the lamps that matter to a patch their own factors in its row.
+    pub fn refine(&mut self, patch: PatchId, row: &mut Row) {
         let frames = self.hemicubes.frames(patch);
         let own = self.hemicubes.surface_of(patch);
         let mut chosen = self.choose(own, &frames);
@@ -78,7 +73,9 @@ impl<'a> LampViewer<'a> {
                 Err(missed) => chosen.retain(|choice| choice.lamp != missed),
             }
         };
-        merge(row, unseen, &seen).unwrap_or_else(|| (row.to_vec(), unseen))
+        if let Some(merged) = merge(row, &seen) {
+            *row = merged;
+        }
     }
 
     /// The lamps that matter to a patch.

@@ -154,7 +154,7 @@ fn rows_depend_on_no_batch_size_and_on_no_run() {
         let mut again = RowBatch::new(0);
         for start in (0..40).step_by(size) {
             let end = (start + size as u32).min(40);
-            again.append(&gpu.draw_rows(start..end).unwrap());
+            again.append(gpu.draw_rows(start..end).unwrap());
         }
         assert!(again == all, "in batches of {size}");
     }
