@@ -7,6 +7,7 @@ use super::hierarchy::Hierarchy;
 use super::locate::Locators;
 use super::projection::{plane_tolerance, reach};
 use super::regions::Regions;
+use super::specks::Candidates;
 
 /// What item buffers draw of a scene.
 #[derive(Debug)]
@@ -18,16 +19,40 @@ pub struct Drawable<'a> {
     /// One per region.
     pub(super) facts: Vec<RegionFacts>,
     pub(super) locators: Locators,
+    /// What may be a speck, where these are looked for.
+    pub(super) candidates: Option<Candidates>,
     pub(super) plane_tolerance: f64,
     /// Where pieces are so many that rays may be cast.
     pub(super) hierarchy: Option<Hierarchy>,
-    /// See [`PIECES_PER_PIXEL`].
-    pieces_per_pixel: f64,
+    dense: Dense,
 }
 
-/// Rays are cast instead of drawing all pieces from so many on for each pixel. Tuned, at 128 pixels, on the scenes of
-/// `benches/dense.rs`: a box full of small bodies, of which most are hidden, and a bumpy sphere seen from inside.
+/// How triangles that are small and many are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Dense {
+    /// As it costs least.
+    Cheapest,
+    /// All pieces are drawn.
+    #[cfg(test)]
+    Pieces,
+    /// Small ones are specks.
+    #[cfg(test)]
+    Specks,
+    /// Rays are cast.
+    #[cfg(test)]
+    Rays,
+}
+
+/// Specks are looked for in scenes of so many regions.
+const FEWEST_REGIONS: usize = 1 << 10;
+
+/// Rays are cast instead of drawing all pieces from so many on for each pixel, where none of them is a speck. Tuned, at 128
+/// pixels, on the scenes of `benches/dense.rs`: a box full of small bodies, of which most are hidden, and a bumpy sphere seen
+/// from inside.
 const PIECES_PER_PIXEL: f64 = 3.0;
+
+/// The same where specks are looked for. Three million triangles still take half as long as rays.
+const PIECES_PER_PIXEL_WITH_SPECKS: f64 = 150.0;
 
 /// Fewer pixels count as this many: rays for them have their common costs too, and small scenes need no hierarchy.
 const FEWEST_PIXELS: usize = 1 << 10;
@@ -53,11 +78,11 @@ pub(super) struct RegionFacts {
 impl<'a> Drawable<'a> {
     /// Lays a scene out.
     pub fn new(scene: &'a Scene) -> Self {
-        Self::casting_from(scene, PIECES_PER_PIXEL)
+        Self::with(scene, Dense::Cheapest)
     }
 
-    /// Lays a scene out, with rays to be cast from so many pieces for each pixel on.
-    pub(super) fn casting_from(scene: &'a Scene, pieces_per_pixel: f64) -> Self {
+    /// Lays a scene out to be drawn in one way.
+    pub(super) fn with(scene: &'a Scene, dense: Dense) -> Self {
         let regions = Regions::new(scene);
         let axis = |k: usize| regions.vertices().iter().map(|p| p[k].into()).collect();
         let facts = regions
@@ -76,17 +101,29 @@ impl<'a> Drawable<'a> {
             })
             .collect();
         let plane_tolerance = plane_tolerance(scene);
-        let fewest = pieces_per_pixel * FEWEST_PIXELS as f64;
-        let hierarchy = (regions.pieces().len() as f64 > fewest)
-            .then(|| Hierarchy::new(&regions, (BOX_MARGIN * plane_tolerance) as f32));
+        let fewest = PIECES_PER_PIXEL * FEWEST_PIXELS as f64;
+        let (has_specks, has_rays) = match dense {
+            Dense::Cheapest => (
+                regions.regions().len() >= FEWEST_REGIONS,
+                regions.pieces().len() as f64 > fewest,
+            ),
+            #[cfg(test)]
+            Dense::Pieces => (false, false),
+            #[cfg(test)]
+            Dense::Specks => (true, false),
+            #[cfg(test)]
+            Dense::Rays => (false, true),
+        };
+        let margin = (BOX_MARGIN * plane_tolerance) as f32;
         Self {
             scene,
             locators: Locators::new(&regions),
+            candidates: has_specks.then(|| Candidates::new(&regions)).flatten(),
             vertices: [axis(0), axis(1), axis(2)],
             facts,
             plane_tolerance,
-            hierarchy,
-            pieces_per_pixel,
+            hierarchy: has_rays.then(|| Hierarchy::new(&regions, margin)),
+            dense,
             regions,
         }
     }
@@ -101,11 +138,18 @@ impl<'a> Drawable<'a> {
         &self.regions
     }
 
-    /// True where so many pixels are found faster by casting rays than by drawing all pieces.
-    pub(super) fn casts(&self, pixels: usize) -> bool {
+    /// True where so many pixels are found faster by casting rays than by drawing all pieces, with specks among them or
+    /// not.
+    pub(super) fn casts(&self, pixels: usize, has_specks: bool) -> bool {
         let pieces = self.regions.pieces().len() as f64;
         let pixels = pixels.max(FEWEST_PIXELS) as f64;
-        self.hierarchy.is_some() && pieces > self.pieces_per_pixel * pixels
+        let per_pixel = match (self.dense, has_specks) {
+            (Dense::Cheapest, false) => PIECES_PER_PIXEL,
+            (Dense::Cheapest, true) => PIECES_PER_PIXEL_WITH_SPECKS,
+            #[cfg(test)]
+            _ => 0.0,
+        };
+        self.hierarchy.is_some() && pieces > per_pixel * pixels
     }
 
     /// [`plane_tolerance`] of the scene, metres.

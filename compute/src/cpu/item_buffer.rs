@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use scene::{NO_PATCH, SurfaceId};
 
-use super::{Cull, Drawable, Projection, Raster};
+use super::{Drawable, Projection, Raster};
 use crate::hemicube::{self, Frame, Window};
 
 /// A pixel that sees nothing: [`NO_PATCH`].
@@ -39,9 +39,8 @@ impl<'a> HemicubeDrawer<'a> {
         back_face: u32,
         mut take: impl FnMut(usize, usize, &[u32]),
     ) {
-        let size = self.windows[0].width;
-        self.projection
-            .set_for(3 * size * size, frame, Some(own), true, Cull::Nothing);
+        let resolution = self.windows[0].width as u32;
+        self.projection.set_for_hemicube(resolution, frame, own);
         for (face, window) in self.windows.iter().enumerate() {
             self.raster
                 .draw_or_cast(&mut self.projection, Some(face), window);

@@ -16,11 +16,13 @@
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*, u32x8};
 use fearless_simd_macros::simd;
 use glam::DVec3;
+use scene::bisection::leaf_code;
 
 use super::locate::{Located, Points};
-use super::projection::{Projection, over_pixels};
+use super::projection::{OverPixels, Projection, over_pixels};
 use super::raster::NONE;
 use super::runs::for_each_run;
+use super::specks::{SPECK, SPECK_BACK, SPECK_REGION};
 use crate::hemicube::Window;
 
 /// Looks patches up, row by row of a picture.
@@ -164,7 +166,7 @@ fn look_up_row<S: Simd>(
         #[inline(always)]
         |index, start, end| {
             runs.push((start as u32, end as u32, index));
-            if index == NONE {
+            if index & SPECK != 0 {
                 return;
             }
             let stored = &mut ways[index as usize];
@@ -185,6 +187,17 @@ fn look_up_row<S: Simd>(
             continue;
         }
         let padded = start..start + (end - start).next_multiple_of(LOOK_UP_LANES);
+        if index & SPECK != 0 {
+            look_up_speck(
+                projection,
+                window,
+                index,
+                *back_face,
+                [start, j],
+                &mut ids[start..end],
+            );
+            continue;
+        }
         match &ways[index as usize] {
             Way::NotAsked => {}
             Way::Constant(id) => ids[start..end].fill(*id),
@@ -199,6 +212,33 @@ fn look_up_row<S: Simd>(
                     to.copy_from_slice(from);
                 }
             }
+        }
+    }
+}
+
+/// Patch IDs of pixels that see a speck.
+#[inline(always)]
+fn look_up_speck(
+    projection: &Projection,
+    window: &Window,
+    index: u32,
+    back_face: u32,
+    [i, j]: [usize; 2],
+    ids: &mut [u32],
+) {
+    let region = index & SPECK_REGION;
+    let facts = &projection.drawable.facts[region as usize];
+    if index & SPECK_BACK != 0 {
+        ids.fill(back_face);
+    } else if facts.depth == 0 {
+        ids.fill(facts.first_patch);
+    } else {
+        let coordinates = projection
+            .coordinates(region)
+            .map(|e| over_pixels(e, window));
+        for (k, id) in ids.iter_mut().enumerate() {
+            let at = |[a, b, c]: OverPixels| (a * (i + k) as f64 + (b * j as f64 + c)) as f32;
+            *id = facts.first_patch + leaf_code(facts.depth, coordinates.map(at));
         }
     }
 }

@@ -12,6 +12,7 @@ mod raster;
 pub mod regions;
 pub mod rows;
 mod runs;
+mod specks;
 
 pub use drawable::Drawable;
 pub use projection::{COORDINATE_ULPS, Cull, Projection, is_in_plane, plane_tolerance, reach};

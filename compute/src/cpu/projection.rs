@@ -28,9 +28,10 @@ use fearless_simd_macros::simd;
 use glam::{DVec3, Vec3};
 use scene::{Scene, Surface, SurfaceId};
 
-use super::drawable::Drawable;
+use super::drawable::{Drawable, RegionFacts};
 use super::outside;
-use crate::hemicube::{Frame, Window};
+use super::specks::{self, Specks};
+use crate::hemicube::{Frame, Window, pixel_count};
 
 /// Back faces are drawn this much too deep, so that a pixel on the silhouette of a solid, where a
 /// front and a back face meet at equal depth, sees the front: well above the rounding of an f32
@@ -88,6 +89,18 @@ pub struct Projection<'a> {
     outside: Vec<u32>,
     /// Where rays are to be cast instead of drawing what is set up.
     pub(super) casting: Option<Casting>,
+    /// What is drawn besides the pieces, and the region that the eye is on.
+    pub(super) specks: Specks,
+    pub(super) own: Option<u32>,
+}
+
+/// A plane as seen from an eye.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plane {
+    /// True where the eye is behind it.
+    pub is_back_face: bool,
+    /// 1/w = inverse_depth . d, 1/m.
+    pub inverse_depth: DVec3,
 }
 
 /// What rays need to know of the eye.
@@ -149,6 +162,8 @@ impl<'a> Projection<'a> {
             vertices: [(); 3].map(|()| vec![0.0; count]),
             outside: vec![0; count],
             casting: None,
+            specks: Specks::default(),
+            own: None,
         }
     }
 
@@ -162,7 +177,7 @@ impl<'a> Projection<'a> {
         horizon: bool,
         cull: Cull,
     ) {
-        if !self.drawable.casts(pixels) {
+        if !self.drawable.casts(pixels, false) {
             self.casting = None;
             return self.set(frame, own, horizon, cull);
         }
@@ -172,6 +187,65 @@ impl<'a> Projection<'a> {
             horizon,
             cull,
         });
+    }
+
+    /// The same for a hemicube of a resolution, which sees what is above its horizon, fronts and backs.
+    pub fn set_for_hemicube(&mut self, resolution: u32, frame: &Frame, own: SurfaceId) {
+        let drawable = Arc::clone(&self.drawable);
+        let pixels = pixel_count(resolution);
+        let specks = drawable.candidates.as_ref();
+        let Some(candidates) = specks.filter(|_| !drawable.casts(pixels, true)) else {
+            return self.set_for(pixels, frame, Some(own), true, Cull::Nothing);
+        };
+        self.casting = None;
+        self.start(frame);
+        let own = drawable.region_of(own);
+        self.own = Some(own);
+        let mut specks = std::mem::take(&mut self.specks);
+        dispatch!(self.level, simd => specks::set(
+            simd, self, &mut specks, candidates, own, resolution
+        ));
+        self.specks = specks;
+    }
+
+    /// True for a region that is edge-on or at the horizon within rounding, with its largest height given, metres.
+    #[cold]
+    pub(super) fn leaves_out(&self, region: u32, height: f64) -> bool {
+        let facts = &self.drawable.facts[region as usize];
+        let eye_reach = self.eye_reach(self.own);
+        plane(&self.drawable, &self.frame, facts, eye_reach).is_none()
+            || is_at_horizon(&self.drawable, &self.frame, height, facts, eye_reach)
+    }
+
+    /// Turns a region into the frame and sets up its pieces as a hemicube sees them.
+    #[inline(always)]
+    pub(super) fn set_one(&mut self, region: u32, eye_reach: DVec3) {
+        self.turn_region(region);
+        self.set_region(region, eye_reach, true, Cull::Nothing);
+    }
+
+    /// Turns a region's vertices into the frame.
+    #[inline(always)]
+    fn turn_region(&mut self, region: u32) {
+        let Self {
+            drawable,
+            frame,
+            vertices,
+            outside,
+            ..
+        } = self;
+        let regions = drawable.regions();
+        for piece in regions.regions()[region as usize].pieces.clone() {
+            for &vertex in regions.corners(piece as usize) {
+                let vertex = vertex as usize;
+                let [x, y, z] = &drawable.vertices;
+                let q = frame.to_local(DVec3::new(x[vertex], y[vertex], z[vertex]));
+                for (axis, value) in vertices.iter_mut().zip(q.to_array()) {
+                    axis[vertex] = value;
+                }
+                outside[vertex] = outside::bits(q.x, q.y, q.z);
+            }
+        }
     }
 
     /// Where the eye stands.
@@ -197,15 +271,8 @@ impl<'a> Projection<'a> {
     /// out.
     pub fn set(&mut self, frame: &Frame, own: Option<SurfaceId>, horizon: bool, cull: Cull) {
         let drawable = Arc::clone(&self.drawable);
-        let Self {
-            level,
-            vertices: [x, y, z],
-            outside,
-            ..
-        } = self;
-        let from = drawable.vertices.each_ref().map(Vec::as_slice);
-        dispatch!(*level, simd => to_local(simd, frame, from, [x, y, z], outside));
         self.start(frame);
+        self.turn_all();
         let own = own.map(|own| drawable.region_of(own));
         dispatch!(self.level, simd => set_regions(
             simd, self, own, 0..drawable.facts.len() as u32, horizon, cull
@@ -222,28 +289,32 @@ impl<'a> Projection<'a> {
         cull: Cull,
     ) {
         self.start(frame);
-        let drawable = Arc::clone(&self.drawable);
-        let own = own.map(|own| drawable.region_of(own));
+        let own = own.map(|own| self.drawable.region_of(own));
         for region in regions {
-            for piece in drawable.regions().regions()[region as usize].pieces.clone() {
-                for &vertex in drawable.regions().corners(piece as usize) {
-                    let vertex = vertex as usize;
-                    let [x, y, z] = &drawable.vertices;
-                    let q = frame.to_local(DVec3::new(x[vertex], y[vertex], z[vertex]));
-                    for (axis, value) in self.vertices.iter_mut().zip(q.to_array()) {
-                        axis[vertex] = value;
-                    }
-                    self.outside[vertex] = outside::bits(q.x, q.y, q.z);
-                }
-            }
+            self.turn_region(region);
             dispatch!(self.level, simd => set_regions(
                 simd, self, own, region..region + 1, horizon, cull
             ));
         }
     }
 
+    /// Turns all vertices into the frame.
+    fn turn_all(&mut self) {
+        let Self {
+            drawable,
+            level,
+            frame,
+            vertices: [x, y, z],
+            outside,
+            ..
+        } = self;
+        let from = drawable.vertices.each_ref().map(Vec::as_slice);
+        dispatch!(*level, simd => to_local(simd, frame, from, [x, y, z], outside));
+    }
+
     fn start(&mut self, frame: &Frame) {
         self.frame = *frame;
+        self.specks.clear();
         self.pieces.clear();
         self.corners.clear();
         self.edges.clear();
@@ -270,20 +341,14 @@ impl<'a> Projection<'a> {
             ..
         } = self;
         let facts = &drawable.facts[region as usize];
-        let tolerance = drawable.plane_tolerance;
-        // Distance of the eye from the plane, negative in front.
-        let distance = facts.offset - facts.normal.dot(frame.position);
-        let in_plane = |height: f64, normal: DVec3| {
-            height <= tolerance
-                && is_in_plane(height, tolerance, normal, facts.reach.max(eye_reach))
+        let Some(plane) = plane(drawable, frame, facts, eye_reach) else {
+            return;
         };
-        let is_back_face = distance > 0.0;
-        if is_back_face && cull == Cull::BackFaces || in_plane(distance.abs(), facts.normal) {
+        let is_back_face = plane.is_back_face;
+        if is_back_face && cull == Cull::BackFaces {
             return;
         }
         let sign = if is_back_face { 1.0 } else { -1.0 };
-        let retreat = retreat(is_back_face);
-        let normal = frame.vector_to_local(facts.normal);
         let regions = drawable.regions();
         for piece in regions.regions()[region as usize].pieces.clone() {
             let ids = regions.corners(piece as usize);
@@ -297,7 +362,7 @@ impl<'a> Projection<'a> {
                 let height = ids
                     .iter()
                     .fold(f64::MIN, |height, &id| height.max(z[id as usize]));
-                if in_plane(height, frame.normal) {
+                if is_at_horizon(drawable, frame, height, facts, eye_reach) {
                     continue;
                 }
             }
@@ -327,7 +392,7 @@ impl<'a> Projection<'a> {
             pieces.push(Projected {
                 first: first as u32,
                 end: corners.len() as u32,
-                inverse_depth: normal * (retreat / distance),
+                inverse_depth: plane.inverse_depth,
                 region,
                 is_back_face,
                 outside: common,
@@ -350,6 +415,41 @@ impl<'a> Projection<'a> {
         };
         [q1.cross(q2), q2.cross(q0), q0.cross(q1)].map(|e| sign * e)
     }
+}
+
+/// A region's plane; `None` where it is edge-on within rounding.
+#[inline(always)]
+fn plane(
+    drawable: &Drawable,
+    frame: &Frame,
+    facts: &RegionFacts,
+    eye_reach: DVec3,
+) -> Option<Plane> {
+    // Distance of the eye from the plane, negative in front.
+    let distance = facts.offset - facts.normal.dot(frame.position);
+    let tolerance = drawable.plane_tolerance;
+    let reach = facts.reach.max(eye_reach);
+    if is_in_plane(distance.abs(), tolerance, facts.normal, reach) {
+        return None;
+    }
+    let is_back_face = distance > 0.0;
+    Some(Plane {
+        is_back_face,
+        inverse_depth: frame.vector_to_local(facts.normal) * (retreat(is_back_face) / distance),
+    })
+}
+
+/// True where the highest point of a piece is at the horizon within rounding, or below it.
+#[inline(always)]
+fn is_at_horizon(
+    drawable: &Drawable,
+    frame: &Frame,
+    height: f64,
+    facts: &RegionFacts,
+    eye_reach: DVec3,
+) -> bool {
+    let reach = facts.reach.max(eye_reach);
+    is_in_plane(height, drawable.plane_tolerance, frame.normal, reach)
 }
 
 /// Sets up the pieces of some regions, whose vertices are in the frame, `own` excepted.

@@ -22,6 +22,7 @@ use super::look_up::LookUp;
 use super::outside;
 use super::projection::{Edge, Projection, over_pixels};
 use super::runs::for_each_run;
+use super::specks;
 use crate::hemicube::Window;
 
 /// Front faces are drawn this much too large, in pixels, so that a ray through an edge or a corner
@@ -99,7 +100,14 @@ impl Raster {
     ) {
         if projection.casting.is_none() {
             let beyond = face.map_or(0, |face| outside::OF_FACES[face]);
-            return self.draw_inside(projection, window, beyond);
+            self.draw_inside(projection, window, beyond);
+            if let Some(face) = face {
+                let (depths, pieces) = (&mut self.inverse_depth, &mut self.pieces);
+                dispatch!(self.level, simd => specks::draw(
+                    simd, projection, face, window, depths, pieces
+                ));
+            }
+            return;
         }
         self.start(window);
         dispatch!(self.level, simd => cast(simd, projection, window, &mut self.pieces));

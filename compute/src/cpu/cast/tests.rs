@@ -1,10 +1,11 @@
-//! Rays see what is drawn.
+//! Rays and specks show what is drawn.
 
 use std::sync::Arc;
 
 use glam::{DVec3, Quat, Vec3};
 use scene::{Material, MaterialId, ObjectId, PatchId, Rgb, Scene, Surface, SurfaceId};
 
+use crate::cpu::drawable::Dense;
 use crate::cpu::item_buffer::{BACK_FACE, HemicubeDrawer, NOTHING};
 use crate::cpu::{CpuRows, Drawable};
 use crate::hemicubes::Hemicubes;
@@ -88,40 +89,47 @@ fn settings(resolution: u32) -> FormFactorSettings {
     }
 }
 
-/// All is drawn; rays are cast for all.
-fn both_ways(scene: &Scene) -> [Arc<Drawable<'_>>; 2] {
-    [f64::INFINITY, 0.0].map(|fewest| Arc::new(Drawable::casting_from(scene, fewest)))
+/// All is drawn; what is small is specks; rays are cast for all.
+fn all_ways(scene: &Scene) -> [Arc<Drawable<'_>>; 3] {
+    [Dense::Pieces, Dense::Specks, Dense::Rays].map(|way| Arc::new(Drawable::with(scene, way)))
 }
 
 /// Where the two see different surfaces, these have an edge in common, or a corner: the pixel lies on it. Patches of
 /// a surface are looked up in the same way.
 #[test]
-fn rays_see_what_is_drawn_but_on_edges() {
+fn specks_and_rays_show_what_is_drawn_but_on_edges() {
     for max_area in [f64::INFINITY, 0.002] {
         let scene = scene(&furnished_sphere(), max_area);
-        let drawables = both_ways(&scene);
+        let drawables = all_ways(&scene);
         let hemicubes = Hemicubes::between(&scene, &drawables[0], settings(64));
         let mut drawers = drawables.each_ref().map(|d| HemicubeDrawer::new(d, 64));
-        let (mut pixels, mut differing, mut backs) = (0, 0, 0);
+        let (mut pixels, mut differing, mut backs) = (0, [0; 2], [0; 2]);
         let step = (scene.patch_count() / 40) as usize;
         for patch in (0..scene.patch_count()).step_by(step).map(PatchId) {
             let own = hemicubes.surface_of(patch);
             let frame = hemicubes.frames(patch)[0];
-            let [drawn, cast] = drawers.each_mut().map(|d| d.item_buffer(own, &frame));
+            let [drawn, others @ ..] = drawers.each_mut().map(|d| d.item_buffer(own, &frame));
             pixels += drawn.len();
-            backs += cast.iter().filter(|&&id| id == BACK_FACE).count();
-            for (&a, &b) in drawn.iter().zip(&cast).filter(|(a, b)| a != b) {
-                differing += 1;
-                assert!(a < NOTHING && b < NOTHING, "{patch:?}: {a} and {b}");
-                let [a, b] = [a, b].map(|id| hemicubes.surface_of(PatchId(id)));
-                assert!(are_neighbours(&scene, a, b), "{patch:?}: {a:?} and {b:?}");
+            for (k, other) in others.iter().enumerate() {
+                backs[k] += other.iter().filter(|&&id| id == BACK_FACE).count();
+                for (&a, &b) in drawn.iter().zip(other).filter(|(a, b)| a != b) {
+                    differing[k] += 1;
+                    assert!(a < NOTHING && b < NOTHING, "{k}, {patch:?}: {a} and {b}");
+                    let [a, b] = [a, b].map(|id| hemicubes.surface_of(PatchId(id)));
+                    let near = are_neighbours(&scene, a, b);
+                    assert!(near, "{k}, {patch:?}: {a:?} and {b:?}");
+                }
             }
         }
-        println!("{differing} of {pixels} pixels differ");
-        assert!(backs > 0, "no back was seen");
+        println!("{differing:?} of {pixels} pixels differ");
+        assert!(!backs.contains(&0), "no back was seen");
         // Margins move edges by some 8e-7 m, which from a metre is 3e-5 of the 32 pixels of a radian, and a
         // pixel has some three pixels of edges in it: 1e-4 of the pixels, or twice that.
-        assert!(differing < pixels / 5000, "{differing} of {pixels}");
+        let most = pixels / 5000;
+        assert!(
+            differing.iter().all(|&n| n < most),
+            "{differing:?} of {pixels}"
+        );
     }
 }
 
@@ -133,15 +141,16 @@ fn are_neighbours(scene: &Scene, a: SurfaceId, b: SurfaceId) -> bool {
 #[test]
 fn nothing_is_seen_between_triangles() {
     let scene = scene(&bumpy_sphere(24), f64::INFINITY);
-    let [_, cast] = both_ways(&scene);
-    let hemicubes = Hemicubes::between(&scene, &cast, settings(128));
-    let mut drawer = HemicubeDrawer::new(&cast, 128);
-    for patch in (0..scene.patch_count()).step_by(97).map(PatchId) {
-        let frame = hemicubes.frames(patch)[0];
-        let ids = drawer.item_buffer(hemicubes.surface_of(patch), &frame);
-        assert!(!ids.contains(&NOTHING), "{patch:?}");
-        // Bumps are seen from their fronts alone.
-        assert!(!ids.contains(&BACK_FACE), "{patch:?}");
+    for drawable in &all_ways(&scene) {
+        let hemicubes = Hemicubes::between(&scene, drawable, settings(128));
+        let mut drawer = HemicubeDrawer::new(drawable, 128);
+        for patch in (0..scene.patch_count()).step_by(97).map(PatchId) {
+            let frame = hemicubes.frames(patch)[0];
+            let ids = drawer.item_buffer(hemicubes.surface_of(patch), &frame);
+            assert!(!ids.contains(&NOTHING), "{patch:?}");
+            // Bumps are seen from their fronts alone.
+            assert!(!ids.contains(&BACK_FACE), "{patch:?}");
+        }
     }
 }
 
@@ -151,7 +160,7 @@ fn the_first_of_equals_is_seen() {
     let [a, b, c] = [Vec3::ZERO, Vec3::X, Vec3::Y];
     let above = [Vec3::Z, Vec3::Z + Vec3::Y, Vec3::Z + Vec3::X];
     let scene = scene(&[[a, b, c], above, above, above, above, above, above], 1.0);
-    let drawables = both_ways(&scene);
+    let drawables = all_ways(&scene);
     let hemicubes = Hemicubes::between(&scene, &drawables[0], settings(32));
     let frame = hemicubes.frames(PatchId(0))[0];
     for drawable in &drawables {
@@ -166,7 +175,7 @@ fn the_first_of_equals_is_seen() {
 #[test]
 fn rows_are_the_same_but_for_pixels_on_edges() {
     let scene = scene(&furnished_sphere(), f64::INFINITY);
-    let rows = both_ways(&scene).map(|drawable| -> Vec<RowBatch> {
+    let [drawn, others @ ..] = all_ways(&scene).map(|drawable| -> Vec<RowBatch> {
         let hemicubes = Arc::new(Hemicubes::between(&scene, &drawable, settings(64)));
         let inner = Box::new(CpuRows::new(&hemicubes));
         let mut rows = with_lamps(&hemicubes, LampViews::All, inner);
@@ -175,10 +184,9 @@ fn rows_are_the_same_but_for_pixels_on_edges() {
             .map(|patch| rows.draw_rows(patch..patch + 1).unwrap())
             .collect()
     });
-    let [drawn, cast] = rows;
-    for (drawn, cast) in drawn.iter().zip(&cast) {
+    for (drawn, other) in others.iter().flat_map(|other| drawn.iter().zip(other)) {
         let mut difference = vec![0.0; scene.patch_count() as usize];
-        for (row, sign) in [(drawn.row(0), 1.0), (cast.row(0), -1.0)] {
+        for (row, sign) in [(drawn.row(0), 1.0), (other.row(0), -1.0)] {
             for entry in row {
                 difference[entry.patch as usize] += sign * f64::from(entry.units);
             }
