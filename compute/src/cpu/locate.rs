@@ -38,8 +38,9 @@ pub(super) struct Locators {
     first_nodes: Vec<u32>,
     nodes: Vec<Node>,
     trees: Vec<Tree>,
-    /// Rounds after which most points have found their surface.
+    /// Rounds after which most points have found their surface, and whether all have.
     rounds: u32,
+    rounds_find_all: bool,
     /// The most bisections of a surface. Where there are none, leaves are patches and not trees.
     depth: u32,
 }
@@ -95,6 +96,7 @@ impl Locators {
             left -= cells;
             all.rounds += 1;
         }
+        all.rounds_find_all = left == 0;
         all.trees = trees;
         all
     }
@@ -155,20 +157,22 @@ impl Located {
 
 /// Points of regions, to be looked up together.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Points {
+pub(super) struct Points(Vec<Eight>);
+
+/// A vector of points.
+#[derive(Clone, Copy, Debug)]
+struct Eight {
     /// In their grids.
-    columns: Vec<f32>,
-    rows: Vec<f32>,
+    columns: [f32; LOOK_UP_LANES],
+    rows: [f32; LOOK_UP_LANES],
     /// Nodes, then patches.
-    codes: Vec<u32>,
+    codes: [u32; LOOK_UP_LANES],
 }
 
 impl Points {
     /// Starts anew.
     pub fn clear(&mut self) {
-        self.columns.clear();
-        self.rows.clear();
-        self.codes.clear();
+        self.0.clear();
     }
 
     /// Adds a run of pixels of row j, and some after it so that they fill vectors.
@@ -186,11 +190,7 @@ impl Points {
         let last = u32x8::splat(simd, located.size[0] * located.size[1] - 1);
         let zero = f32x8::splat(simd, 0.0);
         let one = f32x8::splat(simd, 1.0);
-        let iota = f32x8::from_fn(
-            simd,
-            #[inline(always)]
-            |lane| lane as f32,
-        );
+        let iota = f32x8::from_slice(simd, &IOTA);
         let mut k = 0;
         while k < run.len() {
             let i = iota + k as f32;
@@ -200,71 +200,79 @@ impl Points {
             let column = x.max(zero).min(width - 1.0).floor();
             let row = y.max(zero).min(height - 1.0).floor();
             let cell = (row * width + column).to_int::<u32x8<S>>().min(last);
-            self.columns.extend_from_slice(x.as_slice());
-            self.rows.extend_from_slice(y.as_slice());
-            self.codes
-                .extend_from_slice((cell + located.first_node).as_slice());
+            self.0.push(Eight {
+                columns: *x.as_array(),
+                rows: *y.as_array(),
+                codes: *(cell + located.first_node).as_array(),
+            });
             k += LOOK_UP_LANES;
         }
     }
 
     /// Looks all up: patch IDs in the order in which they were added.
     #[inline(always)]
-    pub fn look_up<S: Simd>(&mut self, simd: S, locators: &Locators) -> &[u32] {
+    pub fn look_up<S: Simd>(
+        &mut self,
+        simd: S,
+        locators: &Locators,
+    ) -> impl Iterator<Item = &[u32; LOOK_UP_LANES]> {
         let nodes: &[[f32; 4]] = bytemuck::cast_slice(&locators.nodes);
-        let (columns, _) = self.columns.as_chunks::<LOOK_UP_LANES>();
-        let (rows, _) = self.rows.as_chunks::<LOOK_UP_LANES>();
-        let (codes, _) = self.codes.as_chunks_mut::<LOOK_UP_LANES>();
         for round in 0..locators.rounds {
-            for ((x, y), codes) in columns.iter().zip(rows).zip(codes.iter_mut()) {
-                let (x, y) = (f32x8::from_slice(simd, x), f32x8::from_slice(simd, y));
+            for points in &mut self.0 {
+                let x = f32x8::from_slice(simd, &points.columns);
+                let y = f32x8::from_slice(simd, &points.rows);
                 if round == 0 {
-                    sides(simd, nodes, codes, x, y).store_slice(codes);
+                    points.codes = *sides(simd, nodes, &points.codes, x, y).as_array();
                 } else {
-                    let before = u32x8::from_slice(simd, codes);
+                    let before = u32x8::from_slice(simd, &points.codes);
                     let is_found = before.simd_ge(LEAF);
-                    is_found
-                        .select(u32x8::splat(simd, 0), before)
-                        .store_slice(codes);
-                    let after = sides(simd, nodes, codes, x, y);
-                    is_found.select(before, after).store_slice(codes);
+                    let places = is_found.select(u32x8::splat(simd, 0), before);
+                    let after = sides(simd, nodes, places.as_array(), x, y);
+                    points.codes = *is_found.select(before, after).as_array();
                 }
             }
         }
-        for ((x, y), codes) in columns.iter().zip(rows).zip(codes.iter_mut()) {
-            let before = u32x8::from_slice(simd, codes);
-            if before.simd_lt(LEAF).any_true() {
-                for ((&x, &y), code) in x.iter().zip(y).zip(codes.iter_mut()) {
-                    while *code & LEAF == 0 {
-                        *code = locators.nodes[*code as usize].side(x, y);
+        if !locators.rounds_find_all {
+            for points in &mut self.0 {
+                let codes = u32x8::from_slice(simd, &points.codes);
+                if codes.simd_lt(LEAF).any_true() {
+                    let places = points.columns.iter().zip(&points.rows);
+                    for ((&x, &y), code) in places.zip(&mut points.codes) {
+                        while *code & LEAF == 0 {
+                            *code = locators.nodes[*code as usize].side(x, y);
+                        }
                     }
                 }
             }
-            let found = u32x8::from_slice(simd, codes) & (LEAF - 1);
-            found.store_slice(codes);
         }
-        if locators.depth > 0 {
-            let trees: &[[f32; 4]] = bytemuck::cast_slice(&locators.trees);
+        if locators.depth == 0 {
+            for points in &mut self.0 {
+                let codes = u32x8::from_slice(simd, &points.codes);
+                points.codes = *(codes & (LEAF - 1)).as_array();
+            }
+        } else {
+            let trees: &[[f32; 8]] = bytemuck::cast_slice(&locators.trees);
             let most_depth = u32x8::splat(simd, locators.depth);
             let one = f32x8::splat(simd, 1.0);
-            for ((x, y), codes) in columns.iter().zip(rows).zip(codes.iter_mut()) {
-                let (x, y) = (f32x8::from_slice(simd, x), f32x8::from_slice(simd, y));
-                let twice = u32x8::from_slice(simd, codes) << 1;
-                twice.store_slice(codes);
-                let [p0, p1, p2, q0] = fetch(simd, trees, codes);
-                (twice + 1).store_slice(codes);
-                let [q1, q2, first, depth] = fetch(simd, trees, codes);
+            for points in &mut self.0 {
+                let x = f32x8::from_slice(simd, &points.columns);
+                let y = f32x8::from_slice(simd, &points.rows);
+                let codes = u32x8::from_slice(simd, &points.codes) & (LEAF - 1);
+                let (low, high) = fetch_pairs(simd, trees, codes.as_array());
+                let ([p0, p1, p2, q0], [q1, q2, first, depth]) = (low, high);
                 let difference = p0 + p1 * x + p2 * y;
                 let third = q0 + q1 * x + q2 * y;
                 let leaves = leaf_codes(simd, [difference, third, one], locators.depth);
                 let patches = first.bitcast::<u32x8<S>>()
                     + (leaves >> (most_depth - depth.bitcast::<u32x8<S>>()));
-                patches.store_slice(codes);
+                points.codes = *patches.as_array();
             }
         }
-        &self.codes
+        self.0.iter().map(|points| &points.codes)
     }
 }
+
+const IOTA: [f32; LOOK_UP_LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 /// What is on the sides of nodes' lines on which points lie.
 #[inline(always)]
@@ -290,9 +298,30 @@ fn fetch<S: Simd>(simd: S, table: &[[f32; 4]], places: &[u32; LOOK_UP_LANES]) ->
     for (record, &place) in records.iter_mut().zip(places) {
         *record = f32x4::from_slice(simd, &table[place as usize]);
     }
+    transposed(records)
+}
+
+/// The same of records of twice as many words, in two halves.
+#[inline(always)]
+fn fetch_pairs<S: Simd>(
+    simd: S,
+    table: &[[f32; 8]],
+    places: &[u32; LOOK_UP_LANES],
+) -> ([f32x8<S>; 4], [f32x8<S>; 4]) {
+    let mut low = [f32x4::splat(simd, 0.0); LOOK_UP_LANES];
+    let mut high = low;
+    for ((low, high), &place) in low.iter_mut().zip(&mut high).zip(places) {
+        let record = &table[place as usize];
+        *low = f32x4::from_slice(simd, &record[..4]);
+        *high = f32x4::from_slice(simd, &record[4..]);
+    }
+    (transposed(low), transposed(high))
+}
+
+#[inline(always)]
+fn transposed<S: Simd>(records: [f32x4<S>; LOOK_UP_LANES]) -> [f32x8<S>; 4] {
     let [a, b, c, d, e, f, g, h] = records;
-    let low = transposed([a, b, c, d]);
-    let high = transposed([e, f, g, h]);
+    let (low, high) = (transposed_four(a, b, c, d), transposed_four(e, f, g, h));
     [
         low[0].combine(high[0]),
         low[1].combine(high[1]),
@@ -302,7 +331,7 @@ fn fetch<S: Simd>(simd: S, table: &[[f32; 4]], places: &[u32; LOOK_UP_LANES]) ->
 }
 
 #[inline(always)]
-fn transposed<S: Simd>([a, b, c, d]: [f32x4<S>; 4]) -> [f32x4<S>; 4] {
+fn transposed_four<S: Simd>(a: f32x4<S>, b: f32x4<S>, c: f32x4<S>, d: f32x4<S>) -> [f32x4<S>; 4] {
     let (even, odd) = (a.zip_low(c), b.zip_low(d));
     let (even_high, odd_high) = (a.zip_high(c), b.zip_high(d));
     [

@@ -205,10 +205,8 @@ fn look_up_row<S: Simd>(
                 look_up_tree(simd, tree, j as f32, start, &mut ids[padded]);
             }
             Way::Many(_) => {
-                let (these, others) = found.split_at(padded.len());
-                found = others;
                 let to = ids[padded].chunks_exact_mut(LOOK_UP_LANES);
-                for (to, from) in to.zip(these.chunks_exact(LOOK_UP_LANES)) {
+                for (to, from) in to.zip(&mut found) {
                     to.copy_from_slice(from);
                 }
             }
