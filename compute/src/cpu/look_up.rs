@@ -2,7 +2,7 @@
 //!
 //! # Theory
 //! Along a picture's rows the coordinates of the points that rays hit in a region are, up to a common
-//! factor, linear; so are the barycentric coordinates in each of its surfaces, and the walk down the
+//! factor, linear; so are the barycentric coordinates in each of its surfaces, and the way down the
 //! bisection tree ([`scene::bisection`]) needs no more.
 //!
 //! # Practice
