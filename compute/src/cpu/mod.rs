@@ -13,6 +13,7 @@ pub mod regions;
 pub mod rows;
 mod runs;
 mod specks;
+mod vectors;
 
 pub use drawable::Drawable;
 pub use projection::{COORDINATE_ULPS, Cull, Projection, is_in_plane, plane_tolerance, reach};

@@ -25,6 +25,7 @@ use scene::SurfaceId;
 use super::projection::{Projection, margin, retreat};
 use super::raster::{FRONT_FACE_OUTSET, MOST_MARGIN, NONE, PADDING};
 use super::regions::Regions;
+use super::vectors::Vectors;
 use crate::hemicube::{Frame, MAX_RESOLUTION, Window};
 
 /// The most pixels that are tried one by one.
@@ -195,72 +196,6 @@ fn to_local<S: Simd>(simd: S, frame: &Frame, [x, y, z]: [&[f64]; 3]) -> [f32x8<S
     ]
 }
 
-/// Four vectors.
-#[derive(Clone, Copy)]
-struct Vectors<S: Simd> {
-    x: f64x4<S>,
-    y: f64x4<S>,
-    z: f64x4<S>,
-}
-
-impl<S: Simd> Vectors<S> {
-    /// Points, as [`Frame::to_local`] has them, bit by bit.
-    #[inline(always)]
-    fn in_frame(self, frame: &Frame) -> Self {
-        let from = frame.position;
-        let v = Self {
-            x: self.x - from.x,
-            y: self.y - from.y,
-            z: self.z - from.z,
-        };
-        Self {
-            x: v.along(frame.tangent),
-            y: v.along(frame.bitangent),
-            z: v.along(frame.normal),
-        }
-    }
-
-    /// Products with one vector.
-    #[inline(always)]
-    fn along(self, v: DVec3) -> f64x4<S> {
-        self.x * v.x + self.y * v.y + self.z * v.z
-    }
-
-    /// By how much products change from one pixel to the next at most.
-    #[inline(always)]
-    fn step(self, rays: &Rays) -> f64x4<S> {
-        self.along(rays.right).abs() + self.along(rays.upward).abs()
-    }
-
-    #[inline(always)]
-    fn dot(self, v: Self) -> f64x4<S> {
-        self.x * v.x + self.y * v.y + self.z * v.z
-    }
-
-    #[inline(always)]
-    fn cross(self, v: Self) -> Self {
-        Self {
-            x: self.y * v.z - v.y * self.z,
-            y: self.z * v.x - v.z * self.x,
-            z: self.x * v.y - v.x * self.y,
-        }
-    }
-
-    #[inline(always)]
-    fn plus(self, v: Self) -> Self {
-        Self {
-            x: self.x + v.x,
-            y: self.y + v.y,
-            z: self.z + v.z,
-        }
-    }
-
-    #[inline(always)]
-    fn to_array(self) -> [f64x4<S>; 3] {
-        [self.x, self.y, self.z]
-    }
-}
-
 /// Sets up all regions but `own`: those that are not specks are set up as pieces.
 #[simd]
 pub(super) fn set<S: Simd>(
@@ -347,6 +282,14 @@ struct Rays {
     first: DVec3,
     right: DVec3,
     upward: DVec3,
+}
+
+impl Rays {
+    /// By how much products with some vectors change from one pixel to the next at most.
+    #[inline(always)]
+    fn step<S: Simd>(&self, across: Vectors<S>) -> f64x4<S> {
+        across.along(self.right).abs() + across.along(self.upward).abs()
+    }
 }
 
 /// Draws the specks of a face over what is there: where one is nearer, or as near and before it in the scene, its depth
@@ -456,7 +399,7 @@ impl Tried {
             // longer of two corners, and some of what they change by from one pixel to the next.
             let longest = a.dot(a).max(b.dot(b)).max(c.dot(c)).sqrt();
             let most = longest * (6.0 * projection.drawable.plane_tolerance);
-            let (step_e, step_f, step_g) = (ab.step(rays), bc.step(rays), ca.step(rays));
+            let (step_e, step_f, step_g) = (rays.step(ab), rays.step(bc), rays.step(ca));
             let is_beside = (e - step_e * FRONT_FACE_OUTSET)
                 .simd_le(most.min(step_e * MOST_MARGIN))
                 & (f - step_f * FRONT_FACE_OUTSET).simd_le(most.min(step_f * MOST_MARGIN))
