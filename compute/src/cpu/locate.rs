@@ -37,6 +37,8 @@ pub(super) struct Locators {
     /// Where the nodes of each region begin.
     first_nodes: Vec<u32>,
     nodes: Vec<Node>,
+    /// Where the trees of each region begin, then the number of all.
+    first_trees: Vec<u32>,
     trees: Vec<Tree>,
     /// Rounds after which most points have found their surface, and whether all have.
     rounds: u32,
@@ -61,6 +63,7 @@ impl Locators {
         for region in regions.regions() {
             let first_node = all.nodes.len() as u32;
             all.first_nodes.push(first_node);
+            all.first_trees.push(first_tree as u32);
             let Some(locator) = &region.locator else {
                 continue;
             };
@@ -97,8 +100,20 @@ impl Locators {
             all.rounds += 1;
         }
         all.rounds_find_all = left == 0;
+        all.first_trees.push(first_tree as u32);
         all.trees = trees;
         all
+    }
+
+    /// How many surfaces all regions have that have a locator.
+    pub fn surface_count(&self) -> usize {
+        self.trees.len()
+    }
+
+    /// Which of them are a region's, in the order of its members.
+    pub fn surfaces_of(&self, region: u32) -> Range<usize> {
+        let at = |index: usize| self.first_trees[index] as usize;
+        at(region as usize)..at(region as usize + 1)
     }
 
     /// Rounds that a node's points take at most, counted no farther than is asked for.
@@ -133,6 +148,8 @@ pub(super) struct Located {
     size: [u32; 2],
     /// The region's first node in [`Locators`].
     first_node: u32,
+    /// About how many surfaces begin within a cell's side.
+    surfaces_per_cell: f32,
 }
 
 impl Located {
@@ -151,7 +168,41 @@ impl Located {
             factor: [0, 1, 2].map(|k| u[k] + v[k] + w[k]),
             size: locator.size(),
             first_node: drawable.locators.first_nodes[region as usize],
+            surfaces_per_cell: (locator.members().len() as f32
+                / locator
+                    .size()
+                    .map(|count| count as f32)
+                    .iter()
+                    .product::<f32>())
+            .sqrt(),
         }
+    }
+
+    /// Coordinates of the region over the pixels.
+    pub fn coordinates(&self) -> [OverPixels; 3] {
+        let [v, w] = [(self.columns, self.size[0]), (self.rows, self.size[1])]
+            .map(|(value, count)| value.map(|x| x / (2.0 * f64::from(count))));
+        [[0, 1, 2].map(|k| self.factor[k] - v[k] - w[k]), v, w]
+    }
+
+    /// The mean width, in pixels, of the surfaces that a run of row j sees, about.
+    #[inline(always)]
+    pub fn width(&self, j: usize, run: Range<usize>) -> f32 {
+        let pixels = (run.end - 1 - run.start) as f32;
+        let [columns, rows, factor] = self.along(j, run.start);
+        let end = |[a, b]: AlongRow| a * pixels + b;
+        let (first, last) = (1.0 / factor[1], 1.0 / end(factor));
+        let columns = (end(columns) * last - columns[1] * first).abs();
+        let rows = (end(rows) * last - rows[1] * first).abs();
+        pixels / (1.0 + self.surfaces_per_cell * (columns + rows))
+    }
+
+    /// Columns, rows and the common factor along row j from pixel `start` on.
+    #[inline(always)]
+    fn along(&self, j: usize, start: usize) -> [AlongRow; 3] {
+        let (i, j) = (start as f64, j as f64);
+        let along = |[a, b, c]: OverPixels| [a as f32, (a * i + (b * j + c)) as f32];
+        [along(self.columns), along(self.rows), along(self.factor)]
     }
 }
 
@@ -178,14 +229,7 @@ impl Points {
     /// Adds a run of pixels of row j, and some after it so that they fill vectors.
     #[inline(always)]
     pub fn add<S: Simd>(&mut self, simd: S, located: &Located, j: usize, run: Range<usize>) {
-        let j = j as f64;
-        let start = run.start as f64;
-        let [a, b, c] = located.columns;
-        let columns: AlongRow = [a as f32, (a * start + (b * j + c)) as f32];
-        let [a, b, c] = located.rows;
-        let rows: AlongRow = [a as f32, (a * start + (b * j + c)) as f32];
-        let [a, b, c] = located.factor;
-        let factor: AlongRow = [a as f32, (a * start + (b * j + c)) as f32];
+        let [columns, rows, factor] = located.along(j, run.start);
         let [width, height] = [located.size[0] as f32, located.size[1] as f32];
         let last = u32x8::splat(simd, located.size[0] * located.size[1] - 1);
         let zero = f32x8::splat(simd, 0.0);

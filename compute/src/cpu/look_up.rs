@@ -6,7 +6,8 @@
 //! bisection tree ([`scene::bisection`]) needs no more.
 //!
 //! # Practice
-//! Runs of pixels that see one piece are looked up, eight pixels at a time. What is linear over a window is kept
+//! Runs of pixels that see one piece are looked up, eight pixels at a time. In a region of many surfaces that is done by
+//! [`super::walk`] where its surfaces are wide in the picture, else by [`super::locate`]. What is linear over a window is kept
 //! as f32: a point is right to some 2^-24 of the window's pixels, 1e-4 pixels where there are a thousand.
 
 // Functions that a vectorised caller needs must be inlined into it: compiled on their own they would
@@ -23,6 +24,7 @@ use super::projection::{OverPixels, Projection, over_pixels};
 use super::raster::NONE;
 use super::runs::for_each_run;
 use super::specks::{SPECK, SPECK_BACK, SPECK_REGION};
+use super::walk::{MemberOverPixels, NO_PICTURE, Walk};
 use crate::hemicube::Window;
 
 /// Looks patches up, row by row of a picture.
@@ -37,11 +39,31 @@ pub(super) struct LookUp {
     ways: Vec<Way>,
     /// What one row's pixels see of regions of many surfaces.
     points: Points,
-    /// Runs of one row: where the pixels begin and end, and the piece that they see.
-    runs: Vec<(u32, u32, u32)>,
+    /// Runs of one row.
+    runs: Vec<Run>,
+    /// Of all regions' members, as far as walks have come by.
+    members: Vec<MemberOverPixels>,
+    /// Counts pictures; what is of another one is not valid.
+    picture: u32,
     /// One row of patch IDs.
     ids: Vec<u32>,
 }
+
+/// Pixels of a row that see one piece.
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    start: u32,
+    end: u32,
+    piece: u32,
+    /// Whether it is walked from surface to surface.
+    is_walked: bool,
+}
+
+/// Runs of fewer pixels are not worth the question how wide surfaces are.
+const FEWEST_WALKED: usize = 24;
+
+/// Mean width in pixels from which on surfaces are walked through. Tuned.
+const WIDE: f32 = 12.0;
 
 /// Coefficients of i, of j and of 1 of a value over the pixels.
 pub(super) type Linear = [f32; 3];
@@ -55,18 +77,18 @@ enum Way {
     Constant(u32),
     /// By bisection of one surface.
     Surface(Tree),
-    /// By finding the surface first, from the region's coordinates.
-    Many(Located),
+    /// By finding the surface first; walks try the member on which the last one began.
+    Many(Located, u32),
 }
 
 /// A bisection tree over the pixels: a - b, c and a + b + c, see [`scene::bisection`].
 #[derive(Clone, Copy, Debug)]
-struct Tree {
-    difference: Linear,
-    third: Linear,
-    sum: Linear,
-    first_patch: u32,
-    depth: u32,
+pub(super) struct Tree {
+    pub difference: Linear,
+    pub third: Linear,
+    pub sum: Linear,
+    pub first_patch: u32,
+    pub depth: u32,
 }
 
 impl LookUp {
@@ -83,6 +105,10 @@ impl LookUp {
         self.back_face = back_face;
         self.ways.clear();
         self.ways.resize(projection.pieces.len(), Way::NotAsked);
+        self.picture = self.picture.checked_add(1).unwrap_or_else(|| {
+            self.members.clear();
+            NO_PICTURE + 1
+        });
         self.ids.resize(window.width + LOOK_UP_LANES, 0);
     }
 
@@ -133,7 +159,7 @@ fn way(projection: &Projection, window: &Window, index: usize, back_face: u32) -
         Some(locator) => {
             let coordinates = projection.coordinates(seen.region);
             let over_pixels = coordinates.map(|e| over_pixels(e, window));
-            Way::Many(Located::new(drawable, seen.region, locator, over_pixels))
+            Way::Many(Located::new(drawable, seen.region, locator, over_pixels), 0)
         }
     }
 }
@@ -153,6 +179,8 @@ fn look_up_row<S: Simd>(
         ways,
         points,
         runs,
+        members,
+        picture,
         ids,
     } = look_up
     else {
@@ -164,24 +192,34 @@ fn look_up_row<S: Simd>(
         simd,
         pieces,
         #[inline(always)]
-        |index, start, end| {
-            runs.push((start as u32, end as u32, index));
-            if index & SPECK != 0 {
-                return;
+        |piece, start, end| {
+            let mut is_walked = false;
+            if piece & SPECK == 0 {
+                let stored = &mut ways[piece as usize];
+                if let Way::NotAsked = stored {
+                    *stored = way(projection, window, piece as usize, *back_face);
+                }
+                if let Way::Many(located, _) = stored {
+                    is_walked =
+                        end - start >= FEWEST_WALKED && located.width(j, start..end) >= WIDE;
+                    if !is_walked {
+                        points.add(simd, located, j, start..end);
+                    }
+                }
             }
-            let stored = &mut ways[index as usize];
-            if let Way::NotAsked = stored {
-                *stored = way(projection, window, index as usize, *back_face);
-            }
-            if let Way::Many(located) = stored {
-                points.add(simd, located, j, start..end);
-            }
+            runs.push(Run {
+                start: start as u32,
+                end: end as u32,
+                piece,
+                is_walked,
+            });
         },
     );
     let mut found = points.look_up(simd, &projection.drawable.locators);
     // What is written beyond the end of a run is overwritten by the next one.
-    for &(start, end, index) in runs.iter() {
-        let (start, end) = (start as usize, end as usize);
+    for run in runs.iter() {
+        let (start, end) = (run.start as usize, run.end as usize);
+        let index = run.piece;
         if index == NONE {
             ids[start..end].fill(*nothing);
             continue;
@@ -198,13 +236,33 @@ fn look_up_row<S: Simd>(
             );
             continue;
         }
-        match &ways[index as usize] {
+        match &mut ways[index as usize] {
             Way::NotAsked => {}
             Way::Constant(id) => ids[start..end].fill(*id),
             Way::Surface(tree) => {
                 look_up_tree(simd, tree, j as f32, start, &mut ids[padded]);
             }
-            Way::Many(_) => {
+            Way::Many(located, last) if run.is_walked => {
+                let drawable = &projection.drawable;
+                let region = projection.pieces[index as usize].region;
+                if members.is_empty() {
+                    members.resize(
+                        drawable.locators.surface_count(),
+                        MemberOverPixels::NOT_SET_UP,
+                    );
+                }
+                if let Some(locator) = &drawable.regions().regions()[region as usize].locator {
+                    let mut walk = Walk {
+                        locator,
+                        coordinates: &located.coordinates(),
+                        members: &mut members[drawable.locators.surfaces_of(region)],
+                        picture: *picture,
+                        row: j,
+                    };
+                    walk.look_up(simd, start..end, last, ids);
+                }
+            }
+            Way::Many(..) => {
                 let to = ids[padded].chunks_exact_mut(LOOK_UP_LANES);
                 for (to, from) in to.zip(&mut found) {
                     to.copy_from_slice(from);
@@ -243,7 +301,7 @@ fn look_up_speck(
 
 /// Patch IDs of pixels from `start` on of row j in one surface.
 #[inline(always)]
-fn look_up_tree<S: Simd>(simd: S, tree: &Tree, j: f32, start: usize, ids: &mut [u32]) {
+pub(super) fn look_up_tree<S: Simd>(simd: S, tree: &Tree, j: f32, start: usize, ids: &mut [u32]) {
     let iota = f32x8::from_fn(simd, |lane| lane as f32);
     let row = |[a, b, c]: Linear| [a, b * j + c];
     let (difference, third, sum) = (row(tree.difference), row(tree.third), row(tree.sum));

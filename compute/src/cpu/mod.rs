@@ -14,6 +14,7 @@ pub mod rows;
 mod runs;
 mod specks;
 mod vectors;
+mod walk;
 
 pub use drawable::Drawable;
 pub use projection::{COORDINATE_ULPS, Cull, Projection, is_in_plane, plane_tolerance, reach};

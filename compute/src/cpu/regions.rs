@@ -27,7 +27,7 @@ use rayon::prelude::*;
 use scene::{Scene, SurfaceId};
 
 pub(super) use locator::{LEAF, Node, STEEP, Tree};
-pub use locator::{Locator, Member};
+pub use locator::{Locator, Member, NO_MEMBER};
 
 use flood::Group;
 use outline::{Mesh, Outline};

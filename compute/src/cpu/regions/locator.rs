@@ -31,7 +31,13 @@ pub struct Member {
     /// `barycentric[k] . p` is the k-th barycentric coordinate in the surface of the point with
     /// the region's coordinates p, with the same common factor; dimensionless.
     pub barycentric: [[f64; 3]; 3],
+    /// The member that lies beyond the side where the k-th barycentric coordinate is 0, or [`NO_MEMBER`] where
+    /// there is none that shares the side.
+    pub neighbours: [u32; 3],
 }
+
+/// No member.
+pub const NO_MEMBER: u32 = u32::MAX;
 
 /// Marks a code that stands for a member, not a node.
 pub(in crate::cpu) const LEAF: u32 = 1 << 31;

@@ -9,8 +9,8 @@ use glam::{DVec2, DVec3};
 use scene::{Scene, SurfaceId};
 
 use super::ULP;
-use super::locator::{LEAF, Locator, Member, Node, STEEP, Tree};
-use super::outline::{Mesh, Outline};
+use super::locator::{LEAF, Locator, Member, NO_MEMBER, Node, STEEP, Tree};
+use super::outline::{self, Mesh, Outline};
 
 /// Widths up to this share of the box's diagonal do not count as parts of a surface: what [`Locator`] can just tell
 /// apart. It keeps what rounding of coordinates leaves of a regular mesh on the wrong side of a cell's border from
@@ -98,7 +98,7 @@ impl Frame {
         [DVec2::ZERO, twice.with_y(0.0), twice.with_x(0.0)]
     }
 
-    fn member(&self, scene: &Scene, surface: SurfaceId, triangle: usize) -> Member {
+    fn member(&self, scene: &Scene, mesh: &Mesh, surface: SurfaceId, triangle: usize) -> Member {
         let tree = scene.mesh().tree(surface);
         let [a, b, c] = self.triangles[triangle];
         let double_area = (b - a).perp_dot(c - a);
@@ -109,6 +109,11 @@ impl Frame {
             barycentric: [(b, c), (c, a), (a, b)].map(|(from, to)| {
                 self.corners()
                     .map(|p| (to - from).perp_dot(p - from) / double_area)
+            }),
+            // The side beyond which the k-th coordinate is below 0 starts at the next corner.
+            neighbours: [1, 2, 0].map(|side| match mesh.mates[3 * triangle + side] {
+                outline::NONE => NO_MEMBER,
+                mate => mate / 3,
             }),
         }
     }
@@ -304,7 +309,7 @@ impl Locator {
         let members: Vec<Member> = surfaces
             .iter()
             .enumerate()
-            .map(|(triangle, &surface)| frame.member(scene, surface, triangle))
+            .map(|(triangle, &surface)| frame.member(scene, mesh, surface, triangle))
             .collect();
         let size = if members.len() == 2 {
             [1, 1]
