@@ -38,6 +38,9 @@ use crate::hemicube::{Frame, Window, pixel_count};
 /// depth (2^-24) and of its steps along a row, well below any wall's thickness.
 const BACK_FACE_RETREAT: f64 = 1.0 - 1.0 / (1 << 19) as f64;
 
+/// What is nearer by this factor is so whatever the rounding of depths to f32.
+const CLEARLY_NEARER: f64 = 1.0 + 1e-5;
+
 /// What is done about the backs of surfaces, which are one-sided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cull {
@@ -398,6 +401,18 @@ impl<'a> Projection<'a> {
                 outside: common,
             });
         }
+    }
+
+    /// True where one piece that is set up hides all of some polygons, whose corners are relative to the eye, in its
+    /// frame, metres.
+    pub fn hides(&self, polygons: &[Vec<DVec3>]) -> bool {
+        let is_before = |piece: &Projected, p: &DVec3| {
+            let edges = &self.edges[piece.first as usize..piece.end as usize];
+            piece.inverse_depth.dot(*p) >= CLEARLY_NEARER
+                && edges.iter().all(|edge| edge.across.dot(*p) >= 0.0)
+        };
+        let hides_all = |piece| polygons.iter().flatten().all(|p| is_before(piece, p));
+        self.pieces.iter().any(hides_all)
     }
 
     /// The three e_k of the proportion e_0 : e_1 : e_2 of a region's coordinates along a ray, see

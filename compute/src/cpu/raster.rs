@@ -161,16 +161,22 @@ impl Raster {
         self.look_up_rows(projection, None, nothing, back_face, take);
     }
 
-    /// Hands out row by row the patch IDs of pixels that see fronts of some regions, ascending; all others have
-    /// `nothing`. What else is seen costs no look-up.
-    pub fn for_each_row_of(
+    /// Hands out the runs of pixels that see the same patch of some regions, ascending: patch, row, pixels. What else is
+    /// seen costs no look-up.
+    pub fn for_each_run_of(
         &mut self,
         projection: &Projection,
         regions: &[u32],
-        nothing: u32,
-        take: impl FnMut(usize, &[u32]),
+        mut take: impl FnMut(u32, usize, Range<usize>),
     ) {
-        self.look_up_rows(projection, Some(regions), nothing, nothing, take);
+        let level = self.level;
+        self.look_up_rows(projection, Some(regions), NONE, NONE, |j, ids| {
+            dispatch!(level, simd => for_each_run(simd, ids, #[inline(always)] |id, start, end| {
+                if id != NONE {
+                    take(id, j, start..end);
+                }
+            }));
+        });
     }
 
     fn look_up_rows(

@@ -4,7 +4,8 @@ use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;
 
-use fearless_simd::{Level, dispatch};
+use fearless_simd::{Level, Simd, dispatch, prelude::*, u32x8};
+use fearless_simd_macros::simd;
 use rayon::prelude::*;
 use scene::PatchId;
 use thread_local::ThreadLocal;
@@ -113,33 +114,38 @@ impl<'a> RowDrawer<'a> {
     }
 }
 
-/// Sums delta form factors by patch, without hashing: a sum for each patch, and a bit for each that
-/// was touched, by which the sums are found again in patch order.
+/// Sums delta form factors by patch, without hashing: a sum for each patch, and a mark for each block of patches, in
+/// which those that were touched are found again in patch order.
 #[derive(Debug)]
 struct Merger {
     level: Level,
-    /// One per patch, then one for nothing and one for back faces.
+    patch_count: u32,
+    /// One per patch, then one for nothing and one for back faces; whole blocks.
     units: Vec<u32>,
-    /// A bit for each of `units`.
-    touched: Vec<u64>,
+    /// One for each block of `units`.
+    is_touched: Vec<bool>,
 }
+
+/// Patches in a block.
+const BLOCK: usize = 64;
 
 impl Merger {
     fn new(patch_count: u32) -> Self {
-        let slots = patch_count as usize + 2;
+        let blocks = (patch_count as usize + 2).div_ceil(BLOCK);
         Self {
             level: Level::new(),
-            units: vec![0; slots],
-            touched: vec![0; slots.div_ceil(64)],
+            patch_count,
+            units: vec![0; blocks * BLOCK],
+            is_touched: vec![false; blocks],
         }
     }
 
     fn nothing(&self) -> u32 {
-        self.units.len() as u32 - 2
+        self.patch_count
     }
 
     fn back_face(&self) -> u32 {
-        self.units.len() as u32 - 1
+        self.patch_count + 1
     }
 
     /// Adds a row of pixels, whose delta form factors are given as sums.
@@ -147,35 +153,48 @@ impl Merger {
         let Self {
             level,
             units,
-            touched,
+            is_touched,
+            ..
         } = self;
         dispatch!(*level, simd => for_each_run(simd, ids, #[inline(always)] |patch, start, end| {
             units[patch as usize] += sums[end] - sums[start];
-            touched[patch as usize / 64] |= 1 << (patch % 64);
+            is_touched[patch as usize / BLOCK] = true;
         }));
     }
 
     /// Hands out the non-zero sums in patch order and starts anew.
     fn take(&mut self, row: &mut Vec<Entry>) -> Unseen {
-        let (nothing, back_face) = (self.nothing(), self.back_face());
-        let mut unseen = Unseen::default();
-        for (k, word) in self.touched.iter_mut().enumerate() {
-            while *word != 0 {
-                let patch = k as u32 * 64 + word.trailing_zeros();
-                *word &= *word - 1;
-                let units = std::mem::take(&mut self.units[patch as usize]);
-                if patch == nothing {
-                    unseen.open = units;
-                } else if patch == back_face {
-                    unseen.back_face = units;
-                } else if units != 0 {
-                    row.push(Entry {
-                        patch,
-                        units: units as f32,
-                    });
-                }
-            }
-        }
+        let unseen = Unseen {
+            open: std::mem::take(&mut self.units[self.patch_count as usize]),
+            back_face: std::mem::take(&mut self.units[self.patch_count as usize + 1]),
+        };
+        dispatch!(self.level, simd => self.take_entries(simd, row));
         unseen
     }
+
+    #[simd]
+    fn take_entries<S: Simd>(&mut self, simd: S, row: &mut Vec<Entry>) {
+        let blocks = self.units.chunks_exact_mut(BLOCK);
+        for (k, (block, is_touched)) in blocks.zip(&mut self.is_touched).enumerate() {
+            if !std::mem::take(is_touched) {
+                continue;
+            }
+            let mut is_used = 0_u64;
+            for (k, units) in block.chunks_exact(LANES).enumerate() {
+                let units = u32x8::from_slice(simd, units);
+                is_used |= (!units.simd_eq(0)).to_bitmask() << (k * LANES);
+            }
+            while is_used != 0 {
+                let index = is_used.trailing_zeros();
+                is_used &= is_used - 1;
+                row.push(Entry {
+                    patch: (k * BLOCK) as u32 + index,
+                    units: std::mem::take(&mut block[index as usize]) as f32,
+                });
+            }
+        }
+    }
 }
+
+/// Sums that are looked at together.
+const LANES: usize = 8;

@@ -34,15 +34,43 @@ pub(super) struct LampViewer<'a> {
     raster: Raster,
     /// Of a view's pixels.
     weights: Vec<f64>,
+    sums: Sums,
 }
 
 /// What one patch sees of the lamps that matter to it.
-#[derive(Default)]
 pub(super) struct Seen {
     /// Patches of the lamps with views, ascending ranges.
     pub replaced: Vec<Range<u32>>,
-    /// Patch and form factor, dimensionless.
+    /// Patch and form factor, dimensionless, by patch.
     pub factors: Vec<(u32, f64)>,
+}
+
+/// Form factors that are summed by patch.
+struct Sums {
+    /// One per patch; 0 between two patches' looks.
+    factors: Vec<f64>,
+    /// The patches that have one.
+    patches: Vec<u32>,
+}
+
+impl Sums {
+    fn add(&mut self, patch: u32, factor: f64) {
+        let sum = &mut self.factors[patch as usize];
+        if *sum == 0.0 {
+            self.patches.push(patch);
+        }
+        *sum += factor;
+    }
+
+    /// Hands out the sums by patch and starts anew.
+    fn take(&mut self) -> Vec<(u32, f64)> {
+        self.patches.sort_unstable();
+        let factors = &mut self.factors;
+        let patches = self.patches.drain(..);
+        patches
+            .map(|patch| (patch, std::mem::take(&mut factors[patch as usize])))
+            .collect()
+    }
 }
 
 impl<'a> LampViewer<'a> {
@@ -58,6 +86,10 @@ impl<'a> LampViewer<'a> {
             lamp_alone: Projection::new(hemicubes.drawable()),
             raster: Raster::default(),
             weights: Vec::new(),
+            sums: Sums {
+                factors: vec![0.0; hemicubes.sources().patch_count() as usize],
+                patches: Vec::new(),
+            },
         }
     }
 
@@ -113,7 +145,11 @@ impl<'a> LampViewer<'a> {
                     }
                 });
                 let pieces = pieces.collect::<Option<Vec<_>>>()?;
-                Some(Choice { lamp, pieces })
+                Some(Choice {
+                    lamp,
+                    polygons,
+                    pieces,
+                })
             })
             .collect()
     }
@@ -139,12 +175,9 @@ impl<'a> LampViewer<'a> {
     /// The mean over the points of what is seen of the chosen lamps; as an error a lamp of which no pixel of
     /// a view meets anything from some point, hidden or not.
     fn look(&mut self, own: SurfaceId, frames: &[Frame], chosen: &[Choice]) -> Result<Seen, usize> {
-        let mut seen = Seen::default();
-        for choice in chosen {
-            let patches = &self.lamps[choice.lamp].patches;
-            seen.replaced.extend_from_slice(patches);
-        }
-        seen.replaced.sort_unstable_by_key(|range| range.start);
+        let patches = chosen.iter().map(|choice| &self.lamps[choice.lamp].patches);
+        let mut replaced: Vec<Range<u32>> = patches.flatten().cloned().collect();
+        replaced.sort_unstable_by_key(|range| range.start);
         let share = 1.0 / frames.len() as f64;
         for (k, frame) in frames.iter().enumerate() {
             if chosen.iter().all(|choice| choice.pieces[k].is_empty()) {
@@ -155,30 +188,29 @@ impl<'a> LampViewer<'a> {
             self.all_surfaces
                 .set_for(pixels.sum(), frame, Some(own), true, Cull::Nothing);
             for choice in chosen.iter().filter(|choice| !choice.pieces[k].is_empty()) {
+                if self.all_surfaces.hides(&choice.polygons[k]) {
+                    continue;
+                }
                 let regions = self.lamps[choice.lamp].regions.iter().copied();
                 self.lamp_alone
                     .set_some(frame, Some(own), regions, true, Cull::BackFaces);
                 for piece in &choice.pieces[k] {
-                    if !self.view(choice.lamp, piece, share, &mut seen) {
+                    if !self.view(choice.lamp, piece, share) {
+                        self.sums.take();
                         return Err(choice.lamp);
                     }
                 }
             }
         }
-        seen.factors.sort_by_key(|(patch, _)| *patch);
-        seen.factors.dedup_by(|next, kept| {
-            let same = next.0 == kept.0;
-            if same {
-                kept.1 += next.1;
-            }
-            same
-        });
-        Ok(seen)
+        Ok(Seen {
+            replaced,
+            factors: self.sums.take(),
+        })
     }
 
     /// Looks at a piece of one lamp from the point that the projections are set to and adds what is seen, times
     /// `share`. False where no pixel meets the piece.
-    fn view(&mut self, lamp: usize, piece: &Piece, share: f64, seen: &mut Seen) -> bool {
+    fn view(&mut self, lamp: usize, piece: &Piece, share: f64) -> bool {
         let lamp = &self.lamps[lamp];
         piece.weights(&mut self.weights);
         let row = |j: usize| j * piece.window.width;
@@ -193,30 +225,15 @@ impl<'a> LampViewer<'a> {
         self.raster
             .draw_or_cast(&mut self.all_surfaces, None, &piece.window);
         let scale = share * piece.form_factor / whole;
-        let first = seen.factors.len();
-        let factors = &mut seen.factors;
-        let regions = &lamp.regions;
+        let Self { weights, sums, .. } = self;
         self.raster
-            .for_each_row_of(&self.all_surfaces, regions, NO_LAMP, |j, ids| {
-                let mut start = row(j);
-                for run in ids.chunk_by(|a, b| a == b) {
-                    let (id, end) = (run[0], start + run.len());
-                    if id != NO_LAMP {
-                        let factor = scale * sum(&self.weights[start..end]);
-                        match factors[first..].last_mut() {
-                            Some((patch, sum)) if *patch == id => *sum += factor,
-                            _ => factors.push((id, factor)),
-                        }
-                    }
-                    start = end;
-                }
+            .for_each_run_of(&self.all_surfaces, &lamp.regions, |patch, j, run| {
+                let weights = &weights[row(j) + run.start..row(j) + run.end];
+                sums.add(patch, scale * sum(weights));
             });
         true
     }
 }
-
-/// What a view's pixel has that does not see the lamp.
-const NO_LAMP: u32 = u32::MAX;
 
 /// Every fourth number is added up by itself, since one sum would wait for itself.
 fn sum(weights: &[f64]) -> f64 {
@@ -235,6 +252,8 @@ type Polygons = Vec<Vec<DVec3>>;
 struct Choice {
     /// Number of the lamp.
     lamp: usize,
+    /// Of the whole lamp, one list per point.
+    polygons: Vec<Polygons>,
     /// One list per point.
     pieces: Vec<Vec<Piece>>,
 }
