@@ -47,6 +47,8 @@ pub enum Section {
     Thesis,
     /// The reference scenes.
     Reference,
+    /// The solvers.
+    Solvers,
     /// Stages on one core.
     Stages,
     /// How costs grow.

@@ -16,6 +16,7 @@ mod program;
 mod reference;
 mod scaling;
 mod scenes;
+mod solvers;
 mod stages;
 mod text;
 mod thesis;
@@ -72,6 +73,7 @@ fn document(plan: &Plan) -> anyhow::Result<String> {
     let reference = wanted(plan, Section::Reference, || {
         reference::section(plan, &program)
     })?;
+    let solvers = wanted(plan, Section::Solvers, || solvers::section(plan))?;
     let measured = if plan.wants(Section::Stages) || plan.wants(Section::Limits) {
         Some(Stages::measure(plan)?)
     } else {
@@ -96,7 +98,9 @@ fn document(plan: &Plan) -> anyhow::Result<String> {
          those of small pieces are medians of repetitions after one that is not counted.\n",
         arguments::command()
     );
-    let sections = [title, machine, thesis, reference, stages, scaling, limits];
+    let sections = [
+        title, machine, thesis, reference, solvers, stages, scaling, limits,
+    ];
     Ok(format!("{}\n", sections.concat().trim_end()))
 }
 

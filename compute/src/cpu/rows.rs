@@ -48,12 +48,7 @@ impl RowSource for CpuRows<'_> {
                 let drawer = self
                     .drawers
                     .get_or(|| RefCell::new(RowDrawer::new(&self.hemicubes)));
-                let mut drawer = drawer.borrow_mut();
-                let (entries, unseen) = drawer.row(PatchId(patch));
-                Row {
-                    entries: entries.to_vec(),
-                    unseen,
-                }
+                drawer.borrow_mut().row(PatchId(patch))
             })
             .collect();
         Ok(RowBatch::of(first, rows))
@@ -80,7 +75,8 @@ pub struct RowDrawer<'a> {
     hemicubes: Arc<Hemicubes<'a>>,
     drawer: HemicubeDrawer<'a>,
     merger: Merger,
-    row: Vec<Entry>,
+    /// Entries of the last row: the next one has about as many.
+    entries: usize,
 }
 
 impl<'a> RowDrawer<'a> {
@@ -91,12 +87,12 @@ impl<'a> RowDrawer<'a> {
             hemicubes: Arc::clone(hemicubes),
             drawer: HemicubeDrawer::new(hemicubes.drawable(), resolution),
             merger: Merger::new(hemicubes.sources().patch_count()),
-            row: Vec::new(),
+            entries: 0,
         }
     }
 
     /// The row of one patch.
-    pub fn row(&mut self, patch: PatchId) -> (&[Entry], Unseen) {
+    pub fn row(&mut self, patch: PatchId) -> Row {
         let factors = self
             .hemicubes
             .delta_form_factors(self.hemicubes.count(patch));
@@ -108,9 +104,10 @@ impl<'a> RowDrawer<'a> {
                     self.merger.add(ids, factors.row_sums(face, j));
                 });
         }
-        self.row.clear();
-        let unseen = self.merger.take(&mut self.row);
-        (&self.row, unseen)
+        let mut entries = Vec::with_capacity(self.entries + self.entries / 8);
+        let unseen = self.merger.take(&mut entries);
+        self.entries = entries.len();
+        Row { entries, unseen }
     }
 }
 
