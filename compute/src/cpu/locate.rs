@@ -206,27 +206,33 @@ impl Located {
     }
 }
 
-/// Points of regions, to be looked up together.
+/// Points of regions, to be looked up together: without gaps, though vectors are written beyond the ends of runs.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Points(Vec<Eight>);
-
-/// A vector of points.
-#[derive(Clone, Copy, Debug)]
-struct Eight {
+pub(super) struct Points {
     /// In their grids.
-    columns: [f32; LOOK_UP_LANES],
-    rows: [f32; LOOK_UP_LANES],
+    columns: Vec<f32>,
+    rows: Vec<f32>,
     /// Nodes, then patches.
-    codes: [u32; LOOK_UP_LANES],
+    codes: Vec<u32>,
+    /// How many there are.
+    count: usize,
 }
 
 impl Points {
-    /// Starts anew.
-    pub fn clear(&mut self) {
-        self.0.clear();
+    /// Makes room for a row of pixels.
+    pub fn reserve(&mut self, width: usize) {
+        let room = (width + LOOK_UP_LANES).next_multiple_of(LOOK_UP_LANES);
+        self.columns.resize(room, 0.0);
+        self.rows.resize(room, 0.0);
+        self.codes.resize(room, 0);
     }
 
-    /// Adds a run of pixels of row j, and some after it so that they fill vectors.
+    /// Starts anew.
+    pub fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// Adds a run of pixels of row j, of which not more are added than there is room for.
     #[inline(always)]
     pub fn add<S: Simd>(&mut self, simd: S, located: &Located, j: usize, run: Range<usize>) {
         let [columns, rows, factor] = located.along(j, run.start);
@@ -235,84 +241,113 @@ impl Points {
         let zero = f32x8::splat(simd, 0.0);
         let one = f32x8::splat(simd, 1.0);
         let iota = f32x8::from_slice(simd, &IOTA);
-        let mut k = 0;
-        while k < run.len() {
-            let i = iota + k as f32;
+        let end = self.count + run.len().next_multiple_of(LOOK_UP_LANES);
+        let places = self.count..end;
+        let to = self.columns[places.clone()].as_chunks_mut().0;
+        let to = to
+            .iter_mut()
+            .zip(self.rows[places.clone()].as_chunks_mut().0);
+        let to = to.zip(self.codes[places].as_chunks_mut().0);
+        for (k, ((to_x, to_y), to_cell)) in to.enumerate() {
+            let i = iota + (k * LOOK_UP_LANES) as f32;
             let scale = one / at(factor, i);
             let (x, y) = (at(columns, i) * scale, at(rows, i) * scale);
             // Pixels beyond the run may be anywhere.
             let column = x.max(zero).min(width - 1.0).floor();
             let row = y.max(zero).min(height - 1.0).floor();
             let cell = (row * width + column).to_int::<u32x8<S>>().min(last);
-            self.0.push(Eight {
-                columns: *x.as_array(),
-                rows: *y.as_array(),
-                codes: *(cell + located.first_node).as_array(),
-            });
-            k += LOOK_UP_LANES;
+            *to_x = *x.as_array();
+            *to_y = *y.as_array();
+            *to_cell = *(cell + located.first_node).as_array();
         }
+        self.count += run.len();
     }
 
-    /// Looks all up: patch IDs in the order in which they were added.
+    /// Looks all up: patch IDs in the order in which they were added, and some after them that fill a vector.
     #[inline(always)]
-    pub fn look_up<S: Simd>(
-        &mut self,
-        simd: S,
-        locators: &Locators,
-    ) -> impl Iterator<Item = &[u32; LOOK_UP_LANES]> {
-        let nodes: &[[f32; 4]] = bytemuck::cast_slice(&locators.nodes);
-        for round in 0..locators.rounds {
-            for points in &mut self.0 {
-                let x = f32x8::from_slice(simd, &points.columns);
-                let y = f32x8::from_slice(simd, &points.rows);
-                if round == 0 {
-                    points.codes = *sides(simd, nodes, &points.codes, x, y).as_array();
-                } else {
-                    let before = u32x8::from_slice(simd, &points.codes);
-                    let is_found = before.simd_ge(LEAF);
-                    let places = is_found.select(u32x8::splat(simd, 0), before);
-                    let after = sides(simd, nodes, places.as_array(), x, y);
-                    points.codes = *is_found.select(before, after).as_array();
-                }
+    pub fn look_up<S: Simd>(&mut self, simd: S, locators: &Locators) -> &[u32] {
+        let count = self.count.next_multiple_of(LOOK_UP_LANES);
+        // What fills the last vector may be a patch of the row before; any node will do.
+        self.codes[self.count..count].fill(0);
+        let columns: &[Eight<f32>] = self.columns[..count].as_chunks().0;
+        let rows: &[Eight<f32>] = self.rows[..count].as_chunks().0;
+        let codes: &mut [Eight<u32>] = self.codes[..count].as_chunks_mut().0;
+        find(simd, locators, columns, rows, codes);
+        descend(simd, locators, columns, rows, codes);
+        &self.codes
+    }
+}
+
+/// What a vector holds.
+type Eight<T> = [T; LOOK_UP_LANES];
+
+/// Finds the surfaces on which points lie: codes of nodes become those of trees, or patches where trees have no depth.
+#[inline(always)]
+fn find<S: Simd>(
+    simd: S,
+    locators: &Locators,
+    columns: &[Eight<f32>],
+    rows: &[Eight<f32>],
+    codes: &mut [Eight<u32>],
+) {
+    let nodes: &[[f32; 4]] = bytemuck::cast_slice(&locators.nodes);
+    for round in 0..locators.rounds {
+        for ((x, y), codes) in columns.iter().zip(rows).zip(&mut *codes) {
+            let (x, y) = (f32x8::from_slice(simd, x), f32x8::from_slice(simd, y));
+            if round == 0 {
+                *codes = *sides(simd, nodes, codes, x, y).as_array();
+            } else {
+                let before = u32x8::from_slice(simd, codes);
+                let is_found = before.simd_ge(LEAF);
+                let places = is_found.select(u32x8::splat(simd, 0), before);
+                let after = sides(simd, nodes, places.as_array(), x, y);
+                *codes = *is_found.select(before, after).as_array();
             }
         }
-        if !locators.rounds_find_all {
-            for points in &mut self.0 {
-                let codes = u32x8::from_slice(simd, &points.codes);
-                if codes.simd_lt(LEAF).any_true() {
-                    let places = points.columns.iter().zip(&points.rows);
-                    for ((&x, &y), code) in places.zip(&mut points.codes) {
-                        while *code & LEAF == 0 {
-                            *code = locators.nodes[*code as usize].side(x, y);
-                        }
+    }
+    if !locators.rounds_find_all {
+        for ((x, y), codes) in columns.iter().zip(rows).zip(&mut *codes) {
+            if u32x8::from_slice(simd, codes).simd_lt(LEAF).any_true() {
+                for ((&x, &y), code) in x.iter().zip(y).zip(codes) {
+                    while *code & LEAF == 0 {
+                        *code = locators.nodes[*code as usize].side(x, y);
                     }
                 }
             }
         }
-        if locators.depth == 0 {
-            for points in &mut self.0 {
-                let codes = u32x8::from_slice(simd, &points.codes);
-                points.codes = *(codes & (LEAF - 1)).as_array();
-            }
-        } else {
-            let trees: &[[f32; 8]] = bytemuck::cast_slice(&locators.trees);
-            let most_depth = u32x8::splat(simd, locators.depth);
-            let one = f32x8::splat(simd, 1.0);
-            for points in &mut self.0 {
-                let x = f32x8::from_slice(simd, &points.columns);
-                let y = f32x8::from_slice(simd, &points.rows);
-                let codes = u32x8::from_slice(simd, &points.codes) & (LEAF - 1);
-                let (low, high) = fetch_pairs(simd, trees, codes.as_array());
-                let ([p0, p1, p2, q0], [q1, q2, first, depth]) = (low, high);
-                let difference = p0 + p1 * x + p2 * y;
-                let third = q0 + q1 * x + q2 * y;
-                let leaves = leaf_codes(simd, [difference, third, one], locators.depth);
-                let patches = first.bitcast::<u32x8<S>>()
-                    + (leaves >> (most_depth - depth.bitcast::<u32x8<S>>()));
-                points.codes = *patches.as_array();
-            }
+    }
+}
+
+/// Goes down the trees of surfaces on which points lie.
+#[inline(always)]
+fn descend<S: Simd>(
+    simd: S,
+    locators: &Locators,
+    columns: &[Eight<f32>],
+    rows: &[Eight<f32>],
+    codes: &mut [Eight<u32>],
+) {
+    if locators.depth == 0 {
+        for codes in codes {
+            let patches = u32x8::from_slice(simd, codes) & (LEAF - 1);
+            *codes = *patches.as_array();
         }
-        self.0.iter().map(|points| &points.codes)
+        return;
+    }
+    let trees: &[[f32; 8]] = bytemuck::cast_slice(&locators.trees);
+    let most_depth = u32x8::splat(simd, locators.depth);
+    let one = f32x8::splat(simd, 1.0);
+    for ((x, y), codes) in columns.iter().zip(rows).zip(codes) {
+        let (x, y) = (f32x8::from_slice(simd, x), f32x8::from_slice(simd, y));
+        let places = u32x8::from_slice(simd, codes) & (LEAF - 1);
+        let (low, high) = fetch_pairs(simd, trees, places.as_array());
+        let ([p0, p1, p2, q0], [q1, q2, first, depth]) = (low, high);
+        let difference = p0 + p1 * x + p2 * y;
+        let third = q0 + q1 * x + q2 * y;
+        let leaves = leaf_codes(simd, [difference, third, one], locators.depth);
+        let patches =
+            first.bitcast::<u32x8<S>>() + (leaves >> (most_depth - depth.bitcast::<u32x8<S>>()));
+        *codes = *patches.as_array();
     }
 }
 

@@ -109,6 +109,7 @@ impl LookUp {
             self.members.clear();
             NO_PICTURE + 1
         });
+        self.points.reserve(window.width);
         self.ids.resize(window.width + LOOK_UP_LANES, 0);
     }
 
@@ -215,7 +216,8 @@ fn look_up_row<S: Simd>(
             });
         },
     );
-    let mut found = points.look_up(simd, &projection.drawable.locators);
+    let found = points.look_up(simd, &projection.drawable.locators);
+    let mut next = 0;
     // What is written beyond the end of a run is overwritten by the next one.
     for run in runs.iter() {
         let (start, end) = (run.start as usize, run.end as usize);
@@ -264,9 +266,10 @@ fn look_up_row<S: Simd>(
             }
             Way::Many(..) => {
                 let to = ids[padded].chunks_exact_mut(LOOK_UP_LANES);
-                for (to, from) in to.zip(&mut found) {
+                for (to, from) in to.zip(found[next..].chunks_exact(LOOK_UP_LANES)) {
                     to.copy_from_slice(from);
                 }
+                next += end - start;
             }
         }
     }
