@@ -154,3 +154,37 @@ fn a_face_is_what_its_window_sees_of_everything() {
         }
     }
 }
+
+/// What one piece hides no pixel sees; and in a hall with columns one piece hides much.
+#[test]
+fn no_pixel_sees_what_is_hidden() {
+    let scene = made(Model::Hall, 5.0);
+    let drawable = Arc::new(Drawable::new(&scene));
+    let mut projection = Projection::new(&drawable);
+    let mut raster = Raster::default();
+    let (mut hidden, mut visible) = (0, 0);
+    for k in 0..12 {
+        let patch = PatchId(scene.patch_count() * k / 12);
+        let geometry = scene.patch(patch);
+        let normal = scene.surface(geometry.surface).normal();
+        let frame = Frame::on_patch(&geometry, normal, geometry.centroid(), 0.7);
+        projection.set(&frame, Some(geometry.surface), true, Cull::Nothing);
+        let mut is_seen = vec![false; scene.surfaces().len()];
+        for (face, window) in hemicube::windows(200).iter().enumerate() {
+            raster.draw_or_cast(&mut projection, Some(face), window);
+            raster.for_each_row(&projection, u32::MAX, u32::MAX, |_, ids| {
+                for &id in ids.iter().filter(|id| **id != u32::MAX) {
+                    is_seen[scene.mesh().surface_of(PatchId(id)).index()] = true;
+                }
+            });
+        }
+        for (surface, is_seen) in scene.surfaces().iter().zip(is_seen) {
+            let corners = surface.corners.map(|p| frame.to_local(p.as_dvec3()));
+            let is_hidden = projection.hides(&[corners.to_vec()]);
+            assert!(!(is_hidden && is_seen), "{patch:?}: {corners:?}");
+            hidden += u32::from(is_hidden);
+            visible += u32::from(is_seen);
+        }
+    }
+    assert!(hidden > 12 * 100 && visible > 12 * 50, "{hidden} {visible}");
+}
