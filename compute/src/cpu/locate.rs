@@ -37,8 +37,8 @@ pub(super) struct Locators {
     /// Where the nodes of each region begin.
     first_nodes: Vec<u32>,
     nodes: Vec<Node>,
-    /// Where the trees of each region begin, then the number of all.
-    first_trees: Vec<u32>,
+    /// How many regions before each one have a locator, then how many do.
+    ranks: Vec<u32>,
     trees: Vec<Tree>,
     /// Rounds after which most points have found their surface, and whether all have.
     rounds: u32,
@@ -58,12 +58,13 @@ impl Locators {
             ..Self::default()
         };
         let mut first_tree = 0;
+        let mut rank = 0;
         // Cells that are done after so many rounds.
         let mut cells = [0_usize; MOST_ROUNDS as usize + 1];
         for region in regions.regions() {
             let first_node = all.nodes.len() as u32;
             all.first_nodes.push(first_node);
-            all.first_trees.push(first_tree as u32);
+            all.ranks.push(rank);
             let Some(locator) = &region.locator else {
                 continue;
             };
@@ -84,6 +85,7 @@ impl Locators {
                 ..*node
             }));
             first_tree += locator.trees().len();
+            rank += 1;
             let [columns, rows] = locator.size();
             for cell in 0..columns * rows {
                 let rounds = all.rounds_of(first_node + cell);
@@ -100,20 +102,19 @@ impl Locators {
             all.rounds += 1;
         }
         all.rounds_find_all = left == 0;
-        all.first_trees.push(first_tree as u32);
+        all.ranks.push(rank);
         all.trees = trees;
         all
     }
 
-    /// How many surfaces all regions have that have a locator.
-    pub fn surface_count(&self) -> usize {
-        self.trees.len()
+    /// How many regions have a locator.
+    pub fn count(&self) -> usize {
+        self.ranks.last().map_or(0, |&count| count as usize)
     }
 
-    /// Which of them are a region's, in the order of its members.
-    pub fn surfaces_of(&self, region: u32) -> Range<usize> {
-        let at = |index: usize| self.first_trees[index] as usize;
-        at(region as usize)..at(region as usize + 1)
+    /// How many of them are before a region.
+    pub fn rank(&self, region: u32) -> usize {
+        self.ranks[region as usize] as usize
     }
 
     /// Rounds that a node's points take at most, counted no farther than is asked for.
@@ -219,8 +220,8 @@ pub(super) struct Points {
 }
 
 impl Points {
-    /// Makes room for a row of pixels.
-    pub fn reserve(&mut self, width: usize) {
+    /// Makes room for a row of so many pixels.
+    pub fn resize(&mut self, width: usize) {
         let room = (width + LOOK_UP_LANES).next_multiple_of(LOOK_UP_LANES);
         self.columns.resize(room, 0.0);
         self.rows.resize(room, 0.0);
@@ -232,7 +233,7 @@ impl Points {
         self.count = 0;
     }
 
-    /// Adds a run of pixels of row j, of which not more are added than there is room for.
+    /// Adds a run of pixels of row j, for which there is room.
     #[inline(always)]
     pub fn add<S: Simd>(&mut self, simd: S, located: &Located, j: usize, run: Range<usize>) {
         let [columns, rows, factor] = located.along(j, run.start);

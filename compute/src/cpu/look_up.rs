@@ -6,9 +6,9 @@
 //! bisection tree ([`scene::bisection`]) needs no more.
 //!
 //! # Practice
-//! Runs of pixels that see one piece are looked up, eight pixels at a time. In a region of many surfaces that is done by
-//! [`super::walk`] where its surfaces are wide in the picture, else by [`super::locate`]. What is linear over a window is kept
-//! as f32: a point is right to some 2^-24 of the window's pixels, 1e-4 pixels where there are a thousand.
+//! Runs of pixels that see one piece are looked up, eight pixels at a time. In a region of many surfaces that is
+//! done by [`super::walk`] where its surfaces are wide in the picture, else by [`super::locate`]. What is linear
+//! over a window is kept as f32: a point is right to some 2^-24 of the window's pixels, 1e-4 pixels where there are a thousand.
 
 // Functions that a vectorised caller needs must be inlined into it: compiled on their own they would
 // be for the baseline instruction set.
@@ -16,7 +16,6 @@
 
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*, u32x8};
 use fearless_simd_macros::simd;
-use glam::DVec3;
 use scene::bisection::leaf_code;
 
 use super::locate::{Located, Points};
@@ -41,8 +40,8 @@ pub(super) struct LookUp {
     points: Points,
     /// Runs of one row.
     runs: Vec<Run>,
-    /// Of all regions' members, as far as walks have come by.
-    members: Vec<MemberOverPixels>,
+    /// Of the members of each region of many surfaces; none before it is walked for the first time.
+    members: Vec<Vec<MemberOverPixels>>,
     /// Counts pictures; what is of another one is not valid.
     picture: u32,
     /// One row of patch IDs.
@@ -59,10 +58,11 @@ struct Run {
     is_walked: bool,
 }
 
-/// Runs of fewer pixels are not worth the question how wide surfaces are.
+/// Runs of fewer pixels are not worth the question how wide surfaces are. Tuned, as the next one, on the hall at 100 to 500
+/// pixels and the reference scenes at 128 and 500.
 const FEWEST_WALKED: usize = 24;
 
-/// Mean width in pixels from which on surfaces are walked through. Tuned.
+/// Mean width in pixels from which on surfaces are walked through.
 const WIDE: f32 = 12.0;
 
 /// Coefficients of i, of j and of 1 of a value over the pixels.
@@ -91,6 +91,20 @@ pub(super) struct Tree {
     pub depth: u32,
 }
 
+impl Tree {
+    /// The tree of a surface whose barycentric coordinates are given.
+    #[inline(always)]
+    pub fn over_pixels([a, b, c]: [OverPixels; 3], first_patch: u32, depth: u32) -> Self {
+        Self {
+            difference: [0, 1, 2].map(|k| (a[k] - b[k]) as f32),
+            third: c.map(|c| c as f32),
+            sum: [0, 1, 2].map(|k| (a[k] + b[k] + c[k]) as f32),
+            first_patch,
+            depth,
+        }
+    }
+}
+
 impl LookUp {
     /// Gets ready for a picture.
     pub fn start(
@@ -109,7 +123,9 @@ impl LookUp {
             self.members.clear();
             NO_PICTURE + 1
         });
-        self.points.reserve(window.width);
+        self.members
+            .resize(projection.drawable.locators.count(), Vec::new());
+        self.points.resize(window.width);
         self.ids.resize(window.width + LOOK_UP_LANES, 0);
     }
 
@@ -147,15 +163,13 @@ fn way(projection: &Projection, window: &Window, index: usize, back_face: u32) -
     match &drawable.regions().regions()[seen.region as usize].locator {
         None if facts.depth == 0 => Way::Constant(facts.first_patch),
         None => {
-            let [a, b, c] = projection.coordinates(seen.region);
-            let linear = |e: DVec3| over_pixels(e, window).map(|value| value as f32);
-            Way::Surface(Tree {
-                difference: linear(a - b),
-                third: linear(c),
-                sum: linear(a + b + c),
-                first_patch: facts.first_patch,
-                depth: facts.depth,
-            })
+            let coordinates = projection.coordinates(seen.region);
+            let over_pixels = coordinates.map(|e| over_pixels(e, window));
+            Way::Surface(Tree::over_pixels(
+                over_pixels,
+                facts.first_patch,
+                facts.depth,
+            ))
         }
         Some(locator) => {
             let coordinates = projection.coordinates(seen.region);
@@ -247,17 +261,16 @@ fn look_up_row<S: Simd>(
             Way::Many(located, last) if run.is_walked => {
                 let drawable = &projection.drawable;
                 let region = projection.pieces[index as usize].region;
-                if members.is_empty() {
-                    members.resize(
-                        drawable.locators.surface_count(),
-                        MemberOverPixels::NOT_SET_UP,
-                    );
-                }
                 if let Some(locator) = &drawable.regions().regions()[region as usize].locator {
+                    let members = &mut members[drawable.locators.rank(region)];
+                    let count = locator.members().len();
+                    if members.len() != count {
+                        members.resize(count, MemberOverPixels::NOT_SET_UP);
+                    }
                     let mut walk = Walk {
                         locator,
                         coordinates: &located.coordinates(),
-                        members: &mut members[drawable.locators.surfaces_of(region)],
+                        members,
                         picture: *picture,
                         row: j,
                     };

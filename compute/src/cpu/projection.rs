@@ -38,7 +38,7 @@ use crate::hemicube::{Frame, Window, pixel_count};
 /// depth (2^-24) and of its steps along a row, well below any wall's thickness.
 const BACK_FACE_RETREAT: f64 = 1.0 - 1.0 / (1 << 19) as f64;
 
-/// What is nearer by this factor is so whatever the rounding of depths to f32.
+/// What is nearer by this factor is so when depths are f32, but where a surface is seen almost along it.
 const CLEARLY_NEARER: f64 = 1.0 + 1e-5;
 
 /// What is done about the backs of surfaces, which are one-sided.
@@ -403,8 +403,8 @@ impl<'a> Projection<'a> {
         }
     }
 
-    /// True where one piece that is set up hides all of some polygons, whose corners are relative to the eye, in its
-    /// frame, metres.
+    /// True where one piece that is set up hides all of some polygons, of which there is one at least; their corners
+    /// are relative to the eye, in its frame, metres. Rays set up nothing that hides.
     pub fn hides(&self, polygons: &[Vec<DVec3>]) -> bool {
         let is_before = |piece: &Projected, p: &DVec3| {
             let edges = &self.edges[piece.first as usize..piece.end as usize];

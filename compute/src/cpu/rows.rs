@@ -75,8 +75,8 @@ pub struct RowDrawer<'a> {
     hemicubes: Arc<Hemicubes<'a>>,
     drawer: HemicubeDrawer<'a>,
     merger: Merger,
-    /// Entries of the last row: the next one has about as many.
-    entries: usize,
+    /// Of the last row: the next one has about as many.
+    entry_count: usize,
 }
 
 impl<'a> RowDrawer<'a> {
@@ -87,7 +87,7 @@ impl<'a> RowDrawer<'a> {
             hemicubes: Arc::clone(hemicubes),
             drawer: HemicubeDrawer::new(hemicubes.drawable(), resolution),
             merger: Merger::new(hemicubes.sources().patch_count()),
-            entries: 0,
+            entry_count: 0,
         }
     }
 
@@ -104,9 +104,9 @@ impl<'a> RowDrawer<'a> {
                     self.merger.add(ids, factors.row_sums(face, j));
                 });
         }
-        let mut entries = Vec::with_capacity(self.entries + self.entries / 8);
+        let mut entries = Vec::with_capacity(self.entry_count + self.entry_count / 8);
         let unseen = self.merger.take(&mut entries);
-        self.entries = entries.len();
+        self.entry_count = entries.len();
         Row { entries, unseen }
     }
 }
@@ -125,6 +125,9 @@ struct Merger {
 
 /// Patches in a block.
 const BLOCK: usize = 64;
+
+/// Sums that are looked at together.
+const LANES: usize = 8;
 
 impl Merger {
     fn new(patch_count: u32) -> Self {
@@ -177,9 +180,9 @@ impl Merger {
                 continue;
             }
             let mut is_used = 0_u64;
-            for (k, units) in block.chunks_exact(LANES).enumerate() {
+            for (lanes, units) in block.chunks_exact(LANES).enumerate() {
                 let units = u32x8::from_slice(simd, units);
-                is_used |= (!units.simd_eq(0)).to_bitmask() << (k * LANES);
+                is_used |= (!units.simd_eq(0)).to_bitmask() << (lanes * LANES);
             }
             while is_used != 0 {
                 let index = is_used.trailing_zeros();
@@ -192,6 +195,3 @@ impl Merger {
         }
     }
 }
-
-/// Sums that are looked at together.
-const LANES: usize = 8;

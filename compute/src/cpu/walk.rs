@@ -48,12 +48,16 @@ pub(super) struct Walk<'a> {
     pub row: usize,
 }
 
-/// How far beyond its side, in pixels, a surface is still taken to hold a pixel: more than rounding, less than
-/// matters.
+/// How far beyond its side along the row, in pixels, a surface is still taken to hold a pixel: less than matters,
+/// and more than rounding but for sides that are nearly along the row. There the locator may be asked in vain.
 const BESIDE: f32 = 1.0 / 1024.0;
 
 /// Pixels that no run has.
 const MOST_EXIT: f32 = (1 << 20) as f32;
+
+/// What a side's value changes by from one pixel to the next is taken to be at least this share of what it is:
+/// no picture shows the difference, and crossings are f32.
+const LEAST_SLOPE: f64 = 1e-30;
 
 impl Walk<'_> {
     /// Patch IDs of a run, which is not empty; `last` is the member to try first, and then the one that was right.
@@ -154,25 +158,17 @@ impl MemberOverPixels {
         let barycentric = member
             .barycentric
             .map(|[p, q, r]| [0, 1, 2].map(|k| p * u[k] + q * v[k] + r * w[k]));
-        let [a, b, c] = barycentric;
-        let linear = |value: OverPixels| value.map(|coefficient| coefficient as f32);
         let mut new = Self {
             picture,
             neighbours: member.neighbours,
-            tree: Tree {
-                difference: linear([0, 1, 2].map(|k| a[k] - b[k])),
-                third: linear(c),
-                sum: linear([0, 1, 2].map(|k| a[k] + b[k] + c[k])),
-                first_patch: member.first_patch,
-                depth: member.depth,
-            },
+            tree: Tree::over_pixels(barycentric, member.first_patch, member.depth),
             ..Self::NOT_SET_UP
         };
         for (side, [a, b, c]) in barycentric.into_iter().enumerate() {
-            new.is_exit[side] = a < 0.0;
             // A side along the rows crosses them far to the left or far to the right.
-            let least = (b.abs() + c.abs()) / f64::from(MOST_EXIT);
+            let least = LEAST_SLOPE * (b.abs() + c.abs());
             let a = a.abs().max(least).copysign(a);
+            new.is_exit[side] = a.is_sign_negative();
             new.crossings[side] = [(-b / a) as f32, (-c / a) as f32];
         }
         new

@@ -17,8 +17,9 @@
 //! convex body, of which no part hides another. A lamp matters to a patch when, unhidden, it
 //! would bring at least a hundredth (LEAST_SHARE) of all that lamps could bring there, and it is among the first
 //! eight (MOST_VIEWS) by that measure: a thousand equal lamps are left to the hemicube, where their errors
-//! average out. In the patch's row the hemicube's entries for the lamp give way to these, and the others are
-//! scaled so that the row still sums to what it did.
+//! average out. Where one piece hides all of a lamp from a point, it is not looked at from there. In the patch's row
+//! the hemicube's entries for the lamp give way to these, and the others are scaled so that the row still sums to
+//! what it did.
 
 mod find;
 mod merge;

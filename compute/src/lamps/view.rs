@@ -45,17 +45,33 @@ pub(super) struct Seen {
     pub factors: Vec<(u32, f64)>,
 }
 
-/// Form factors that are summed by patch.
+/// Form factors of lamps' patches, summed by patch.
 struct Sums {
-    /// One per patch; 0 between two patches' looks.
+    /// The first patch of a lamp.
+    first: u32,
+    /// One per patch up to the last one of a lamp; 0 between two looks.
     factors: Vec<f64>,
     /// The patches that have one.
     patches: Vec<u32>,
 }
 
 impl Sums {
+    fn new(lamps: &[Lamp]) -> Self {
+        let patches = || lamps.iter().flat_map(|lamp| &lamp.patches);
+        let first = patches().map(|range| range.start).min().unwrap_or(0);
+        let end = patches().map(|range| range.end).max().unwrap_or(0);
+        Self {
+            first,
+            factors: vec![0.0; (end - first) as usize],
+            patches: Vec::new(),
+        }
+    }
+
     fn add(&mut self, patch: u32, factor: f64) {
-        let sum = &mut self.factors[patch as usize];
+        let sum = &mut self.factors[(patch - self.first) as usize];
+        if factor == 0.0 {
+            return;
+        }
         if *sum == 0.0 {
             self.patches.push(patch);
         }
@@ -65,10 +81,15 @@ impl Sums {
     /// Hands out the sums by patch and starts anew.
     fn take(&mut self) -> Vec<(u32, f64)> {
         self.patches.sort_unstable();
-        let factors = &mut self.factors;
+        let (first, factors) = (self.first, &mut self.factors);
         let patches = self.patches.drain(..);
         patches
-            .map(|patch| (patch, std::mem::take(&mut factors[patch as usize])))
+            .map(|patch| {
+                (
+                    patch,
+                    std::mem::take(&mut factors[(patch - first) as usize]),
+                )
+            })
             .collect()
     }
 }
@@ -86,10 +107,7 @@ impl<'a> LampViewer<'a> {
             lamp_alone: Projection::new(hemicubes.drawable()),
             raster: Raster::default(),
             weights: Vec::new(),
-            sums: Sums {
-                factors: vec![0.0; hemicubes.sources().patch_count() as usize],
-                patches: Vec::new(),
-            },
+            sums: Sums::new(lamps),
         }
     }
 
@@ -173,7 +191,7 @@ impl<'a> LampViewer<'a> {
     }
 
     /// The mean over the points of what is seen of the chosen lamps; as an error a lamp of which no pixel of
-    /// a view meets anything from some point, hidden or not.
+    /// a view meets anything from some point from which no single piece hides it.
     fn look(&mut self, own: SurfaceId, frames: &[Frame], chosen: &[Choice]) -> Result<Seen, usize> {
         let patches = chosen.iter().map(|choice| &self.lamps[choice.lamp].patches);
         let mut replaced: Vec<Range<u32>> = patches.flatten().cloned().collect();
