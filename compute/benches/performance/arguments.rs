@@ -49,6 +49,8 @@ pub enum Section {
     Reference,
     /// The solvers.
     Solvers,
+    /// Back ends.
+    Gpu,
     /// Stages on one core.
     Stages,
     /// How costs grow.

@@ -8,6 +8,7 @@
 //! The first writes `docs/PERFORMANCE.md`. Every number is measured in the run that prints it.
 
 mod arguments;
+mod gpu;
 mod iteration;
 mod limits;
 mod machine;
@@ -74,6 +75,7 @@ fn document(plan: &Plan) -> anyhow::Result<String> {
         reference::section(plan, &program)
     })?;
     let solvers = wanted(plan, Section::Solvers, || solvers::section(plan))?;
+    let gpu = wanted(plan, Section::Gpu, || gpu::section(plan))?;
     let measured = if plan.wants(Section::Stages) || plan.wants(Section::Limits) {
         Some(Stages::measure(plan)?)
     } else {
@@ -94,12 +96,12 @@ fn document(plan: &Plan) -> anyhow::Result<String> {
          What a run costs, what its stages cost, and how that grows. Written by\n\n\
          ```\n{}\n```\n\n\
          which measures everything anew; `-- --only SECTION` prints one section, `-- --quick` all of them at \
-         small sizes, `-- --help` lists the rest. Everything is the cpu back end's. Times are wall clock; \
-         those of small pieces are medians of repetitions after one that is not counted.\n",
+         small sizes, `-- --help` lists the rest. Everything but the section on back ends is the cpu back end's. \
+         Times are wall clock; those of small pieces are medians of repetitions after one that is not counted.\n",
         arguments::command()
     );
     let sections = [
-        title, machine, thesis, reference, solvers, stages, scaling, limits,
+        title, machine, thesis, reference, solvers, stages, scaling, limits, gpu,
     ];
     Ok(format!("{}\n", sections.concat().trim_end()))
 }

@@ -1,0 +1,73 @@
+//! The gpu back end on the adapter there is, beside the cpu.
+
+use std::time::Instant;
+
+use compute::backend;
+use compute::settings::BackendChoice;
+use genx::{Model, Settings};
+use scene::Scene;
+
+use crate::arguments::{Plan, Section, command_of};
+use crate::measure::one_a_patch;
+use crate::text::{count, figures, heading, table};
+
+/// Pixels, the program's default.
+const PIXELS: u32 = 128;
+
+/// The section.
+pub fn section(plan: &Plan) -> anyhow::Result<String> {
+    let models = [
+        ("Cornell box", Model::Cornell),
+        ("model 2, the hall", Model::Hall),
+    ];
+    let mut rows = Vec::new();
+    for (name, model) in models {
+        let scene = genx::make(&Settings::new(model))?.scene;
+        for choice in [BackendChoice::Gpu, BackendChoice::Cpu] {
+            eprintln!("performance: back ends, {name}, {choice:?}");
+            let mut row = vec![name.to_owned(), count(scene.patch_count().into())];
+            row.extend(match speed(plan, &scene, choice) {
+                Ok((back_end, speed)) => [back_end, count(speed.round() as u64)],
+                Err(error) => [format!("none: {error:#}"), String::new()],
+            });
+            rows.push(row);
+        }
+    }
+    Ok(format!(
+        "{}Rows of one hemicube a patch of {PIXELS} pixels, without views of lamps, by each back end on all threads \
+         ({}). A software adapter draws on the same cores as the cpu back end, and tells nothing of a graphics \
+         card.\n\n{}",
+        heading("Back ends"),
+        command_of(Section::Gpu),
+        table(
+            &["scene", "patches", "back end", "hemicubes a second"],
+            1,
+            &rows
+        )
+    ))
+}
+
+/// What a back end calls itself, and how many hemicubes it draws and merges in a second.
+fn speed(plan: &Plan, scene: &Scene, choice: BackendChoice) -> anyhow::Result<(String, f64)> {
+    let hemicubes = one_a_patch(scene, PIXELS);
+    let mut source = backend::open(&hemicubes, choice)?.source;
+    let batch = source.preferred_batch().min(scene.patch_count());
+    let most_seconds = plan.choose(0.2, 4.0);
+    // The first batch is not counted: there it may choose how to draw.
+    source.draw_rows(0..batch)?;
+    let start = Instant::now();
+    let mut drawn = 0;
+    let mut next = batch;
+    while drawn == 0 || start.elapsed().as_secs_f64() < most_seconds {
+        let first = if next + batch <= scene.patch_count() {
+            next
+        } else {
+            0
+        };
+        source.draw_rows(first..first + batch)?;
+        drawn += batch;
+        next = first + batch;
+    }
+    let speed = f64::from(drawn) / start.elapsed().as_secs_f64();
+    Ok((source.describe(), speed))
+}
