@@ -9,7 +9,7 @@ use scene::Scene;
 
 use crate::arguments::{Plan, Section, command_of};
 use crate::measure::one_a_patch;
-use crate::text::{count, figures, heading, table};
+use crate::text::{count, heading, table};
 
 /// Pixels, the program's default.
 const PIXELS: u32 = 128;
