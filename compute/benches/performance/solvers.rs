@@ -62,10 +62,11 @@ pub fn section(plan: &Plan) -> anyhow::Result<String> {
          ({}): the root mean square by area, over all channels, of the difference to a converged solution, relative to \
          that one's; for shooting its own, whose equation has the reciprocal form factors. All rows were drawn first, \
          at {PIXELS} pixels. The built-in models are as `genx` makes them.\n\n{}\n\
-         Gauss-Seidel needs half to two thirds of Jacobi's iterations, which cost about the same. All of them are a small part \
-         of drawing the rows, so the default is Jacobi's, of which each iteration is a bounce of light, as in the \
-         thesis. Where rows do not fit the memory, and are drawn again in each iteration, Gauss-Seidel saves up to \
-         half of that. Shooting is first where a first impression is wanted, and last where an answer is.\n",
+         Gauss-Seidel needs half to two thirds of Jacobi's iterations; in the smallest scenes each of them takes \
+         longer. Both are a small part of drawing the rows, so the default is Jacobi's, of which each iteration is a \
+         bounce of light, as in the thesis. Where rows do not fit the memory, and are drawn again in each iteration, \
+         Gauss-Seidel saves a third to a half of that. Shooting is first where a first impression is wanted, and last \
+         where an answer is.\n",
         heading("Solvers"),
         command_of(Section::Solvers),
         table(&header, 1, &rows)
