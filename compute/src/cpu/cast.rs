@@ -27,8 +27,9 @@ use fearless_simd_macros::simd;
 use glam::{DVec3, Vec3};
 
 use super::hierarchy::{Hierarchy, Node, Pair, Triangle};
-use super::projection::{COORDINATE_ULPS, Cull, Projection, is_in_plane, margin, retreat};
+use super::projection::{Cull, Projection, retreat};
 use super::raster::{FRONT_FACE_OUTSET, MOST_MARGIN, NONE, PADDING};
+use super::rounding::{COORDINATE_ULPS, is_in_plane, margin};
 use crate::hemicube::Window;
 
 /// Pixels that go together along a row, rows, and both.

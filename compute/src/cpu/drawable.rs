@@ -5,8 +5,8 @@ use scene::{Scene, SurfaceId};
 
 use super::hierarchy::Hierarchy;
 use super::locate::Locators;
-use super::projection::{plane_tolerance, reach};
 use super::regions::Regions;
+use super::rounding::{plane_tolerance, reach};
 use super::specks::Candidates;
 
 /// What item buffers draw of a scene.

@@ -10,6 +10,7 @@ mod outside;
 mod projection;
 mod raster;
 pub mod regions;
+mod rounding;
 pub mod rows;
 mod runs;
 mod specks;
@@ -17,6 +18,7 @@ mod vectors;
 mod walk;
 
 pub use drawable::Drawable;
-pub use projection::{COORDINATE_ULPS, Cull, Projection, is_in_plane, plane_tolerance, reach};
+pub use projection::{Cull, Projection};
 pub use raster::{Raster, Sample};
+pub use rounding::{COORDINATE_ULPS, is_in_plane, plane_tolerance, reach};
 pub use rows::CpuRows;

@@ -25,11 +25,12 @@ use std::sync::Arc;
 
 use fearless_simd::{Level, Simd, dispatch};
 use fearless_simd_macros::simd;
-use glam::{DVec3, Vec3};
-use scene::{Scene, Surface, SurfaceId};
+use glam::DVec3;
+use scene::SurfaceId;
 
 use super::drawable::{Drawable, RegionFacts};
 use super::outside;
+use super::rounding::{is_in_plane, margin};
 use super::specks::{self, Specks};
 use crate::hemicube::{Frame, Window, pixel_count};
 
@@ -115,35 +116,10 @@ pub(super) struct Casting {
     pub cull: Cull,
 }
 
-/// Units in the last place (2^-24 relative) by which f32 coordinates are taken to be uncertain.
-pub const COORDINATE_ULPS: f64 = 4.0 / (1 << 24) as f64;
-
-/// A point's distance from a plane through others like it is uncertain by at most about this, metres: by
-/// some units in the last place of the scene's largest coordinate. Where it matters
-/// [`is_in_plane`] is sharper.
-pub fn plane_tolerance(scene: &Scene) -> f64 {
-    let [low, high] = scene.bounds();
-    f64::from(low.abs().max(high.abs()).max_element()) * COORDINATE_ULPS
-}
-
 /// What the inverse depth of a front or a back is multiplied by.
 #[inline(always)]
 pub(super) fn retreat(is_back_face: bool) -> f64 {
     if is_back_face { BACK_FACE_RETREAT } else { 1.0 }
-}
-
-/// True where a distance of `height` metres from a plane is no more than rounding: `tolerance`, which is
-/// [`plane_tolerance`], and what the coordinates themselves are uncertain by, each along its own axis.
-/// In a scene with things far away the second is far less for all the others. `normal` is the plane's,
-/// a unit vector; `reach` is the largest magnitude of the coordinates, metres.
-pub fn is_in_plane(height: f64, tolerance: f64, normal: DVec3, reach: DVec3) -> bool {
-    height <= tolerance && height <= COORDINATE_ULPS * normal.abs().dot(reach)
-}
-
-/// Largest magnitude of a surface's coordinates, by axis, metres.
-pub fn reach(surface: &Surface) -> DVec3 {
-    let [p0, p1, p2] = surface.corners.map(Vec3::abs);
-    p0.max(p1).max(p2).as_dvec3()
 }
 
 impl<'a> Projection<'a> {
@@ -506,29 +482,6 @@ fn to_local<S: Simd>(
     for k in 0..count {
         outside[k] = outside::bits(to_x[k], to_y[k], to_z[k]);
     }
-}
-
-/// How much too large a front is drawn at one edge, so that a ray between pieces whose common corners are the
-/// same but for rounding meets one of them. A corner that is off by s across the edge's plane q_i x q_j moves
-/// that plane by s times the other corner's length at most; no ray through a hemicube's pixel is longer than
-/// sqrt(3). `across` is given in the axes of the corners and in the scene's, corners relative to the eye and as
-/// magnitudes of their coordinates, metres.
-#[inline(always)]
-pub(super) fn margin(
-    across: DVec3,
-    in_scene: DVec3,
-    (from, from_magnitude): (DVec3, DVec3),
-    (to, to_magnitude): (DVec3, DVec3),
-) -> f64 {
-    const LONGEST_RAY: f64 = 1.732_050_807_568_877_2;
-    let length = across.length();
-    if length == 0.0 {
-        return 0.0;
-    }
-    let in_scene = in_scene.abs();
-    let off_from = in_scene.dot(from_magnitude);
-    let off_to = in_scene.dot(to_magnitude);
-    LONGEST_RAY * COORDINATE_ULPS * (off_from * to.length() + off_to * from.length()) / length
 }
 
 /// A value that is linear over a window's pixels: its coefficients of i, of j and of 1.

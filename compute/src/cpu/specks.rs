@@ -22,9 +22,10 @@ use fearless_simd_macros::simd;
 use glam::{DVec3, Vec3};
 use scene::SurfaceId;
 
-use super::projection::{Projection, margin, retreat};
+use super::projection::{Projection, retreat};
 use super::raster::{FRONT_FACE_OUTSET, MOST_MARGIN, NONE, PADDING};
 use super::regions::Regions;
+use super::rounding::margin;
 use super::vectors::Vectors;
 use crate::hemicube::{Frame, MAX_RESOLUTION, Window};
 
@@ -395,7 +396,7 @@ impl Tried {
             let (e, f, g) = (ab.dot(direction), bc.dot(direction), ca.dot(direction));
             let (lowest, highest) = (e.min(f).min(g), e.max(f).max(g));
             let is_inside = is_back_face.select(lowest, -highest).simd_ge(zero);
-            // As much as margins are at most, see `projection::margin`: 2 sqrt(3)^2 plane tolerances a metre of the
+            // As much as margins are at most, see `rounding::margin`: 2 sqrt(3)^2 plane tolerances a metre of the
             // longer of two corners, and some of what they change by from one pixel to the next.
             let longest = a.dot(a).max(b.dot(b)).max(c.dot(c)).sqrt();
             let most = longest * (6.0 * projection.drawable.plane_tolerance);
