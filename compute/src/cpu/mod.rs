@@ -3,6 +3,7 @@
 mod cast;
 mod drawable;
 mod hierarchy;
+mod horizon;
 pub mod item_buffer;
 mod locate;
 mod look_up;

@@ -20,7 +20,6 @@
 // be for the baseline instruction set.
 #![allow(clippy::inline_always)]
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use fearless_simd::{Level, Simd, dispatch};
@@ -29,6 +28,7 @@ use glam::DVec3;
 use scene::SurfaceId;
 
 use super::drawable::{Drawable, RegionFacts};
+use super::horizon::Horizon;
 use super::outside;
 use super::rounding::{is_in_plane, margin};
 use super::specks::{self, Specks};
@@ -52,7 +52,7 @@ pub enum Cull {
 }
 
 /// A convex piece of a region as seen from one eye, in the eye's frame.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Projected {
     /// Its corners and edges in [`Projection`]'s lists.
     pub first: u32,
@@ -91,6 +91,8 @@ pub struct Projection<'a> {
     vertices: [Vec<f64>; 3],
     /// See [`outside`]; one per vertex.
     outside: Vec<u32>,
+    /// What may be seen.
+    pub(super) horizon: Horizon,
     /// Where rays are to be cast instead of drawing what is set up.
     pub(super) casting: Option<Casting>,
     /// What is drawn besides the pieces, and the region that the eye is on.
@@ -140,6 +142,7 @@ impl<'a> Projection<'a> {
             edges: Vec::new(),
             vertices: [(); 3].map(|()| vec![0.0; count]),
             outside: vec![0; count],
+            horizon: Horizon::default(),
             casting: None,
             specks: Specks::default(),
             own: None,
@@ -253,9 +256,16 @@ impl<'a> Projection<'a> {
         self.start(frame);
         self.turn_all();
         let own = own.map(|own| drawable.region_of(own));
+        let mut seen = std::mem::take(&mut self.horizon);
+        if horizon {
+            seen.find(&drawable, frame, self.eye_reach(own));
+        } else {
+            seen.open(&drawable);
+        }
         dispatch!(self.level, simd => set_regions(
-            simd, self, own, 0..drawable.facts.len() as u32, horizon, cull
+            simd, self, own, seen.regions(), horizon, cull
         ));
+        self.horizon = seen;
     }
 
     /// The same for some regions only, which `own`, the eye's, is not among.
@@ -272,7 +282,7 @@ impl<'a> Projection<'a> {
         for region in regions {
             self.turn_region(region);
             dispatch!(self.level, simd => set_regions(
-                simd, self, own, region..region + 1, horizon, cull
+                simd, self, own, &[region], horizon, cull
             ));
         }
     }
@@ -449,12 +459,12 @@ fn set_regions<S: Simd>(
     simd: S,
     projection: &mut Projection,
     own: Option<u32>,
-    regions: Range<u32>,
+    regions: &[u32],
     horizon: bool,
     cull: Cull,
 ) {
     let eye_reach = projection.eye_reach(own);
-    for region in regions {
+    for &region in regions {
         if own != Some(region) {
             projection.set_region(region, eye_reach, horizon, cull);
         }
