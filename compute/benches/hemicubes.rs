@@ -1,4 +1,5 @@
-//! Hemicubes on one core: item buffer with patch look-up, and the whole row. `cargo bench -p compute`.
+//! Hemicubes on one core: item buffer with patch look-up, the look-up alone, and the whole row. `cargo bench -p compute
+//! --bench hemicubes`.
 //!
 //! The same scene at several numbers of patches shows that a hemicube costs by its pixels and
 //! surfaces, not by its patches.
@@ -8,6 +9,8 @@ use std::sync::Arc;
 
 use compute::cpu::item_buffer::{BACK_FACE, HemicubeDrawer, NOTHING};
 use compute::cpu::rows::RowDrawer;
+use compute::cpu::{Projection, Raster};
+use compute::hemicube;
 use compute::hemicubes::Hemicubes;
 use compute::settings::{FormFactorSettings, Points};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
@@ -69,6 +72,41 @@ fn item_buffers(c: &mut Criterion, name: &str, scenes: &[Scene]) {
     }
 }
 
+/// Of hemicubes that are drawn already.
+fn look_ups(c: &mut Criterion, name: &str, scenes: &[Scene]) {
+    let mut group = c.benchmark_group(format!("look_up_{HEMICUBES}x/{name}"));
+    for scene in scenes {
+        let hemicubes = one_a_patch(scene);
+        let mut drawn: Vec<(Projection, Vec<Raster>)> = patches(scene)
+            .into_iter()
+            .map(|patch| {
+                let mut projection = Projection::new(hemicubes.drawable());
+                let (own, frame) = (hemicubes.surface_of(patch), hemicubes.frames(patch)[0]);
+                projection.set_for_hemicube(RESOLUTION, &frame, own);
+                let draw = |(face, window)| {
+                    let mut raster = Raster::default();
+                    raster.draw_or_cast(&mut projection, Some(face), window);
+                    raster
+                };
+                let windows = hemicube::windows(RESOLUTION);
+                let rasters = windows.iter().enumerate().map(draw).collect();
+                (projection, rasters)
+            })
+            .collect();
+        group.bench_function(BenchmarkId::from_parameter(scene.patch_count()), |b| {
+            b.iter(|| {
+                for (projection, rasters) in &mut drawn {
+                    for raster in rasters {
+                        raster.for_each_row(projection, NOTHING, BACK_FACE, |_, ids| {
+                            black_box(ids);
+                        });
+                    }
+                }
+            });
+        });
+    }
+}
+
 fn rows(c: &mut Criterion, name: &str, scenes: &[Scene]) {
     let mut group = c.benchmark_group(format!("row_{HEMICUBES}x/{name}"));
     for scene in scenes {
@@ -91,6 +129,8 @@ fn benches(c: &mut Criterion) {
     let hall = [5.0, 0.25].map(|area| scene(Model::Hall, area));
     item_buffers(c, "cornell", &cornell);
     item_buffers(c, "hall", &hall);
+    look_ups(c, "cornell", &cornell);
+    look_ups(c, "hall", &hall);
     rows(c, "cornell", &cornell);
     rows(c, "hall", &hall);
 }
