@@ -62,7 +62,8 @@ struct Arguments {
     /// Who draws: auto takes a real GPU where there is one, else the CPU; gpu takes software GPUs too
     #[arg(long, default_value = "auto", value_parser = backend_parser())]
     backend: BackendChoice,
-    /// How to solve; an iteration of shooting is one shot
+    /// How to solve; an iteration of shooting is one shot, by the reciprocal form factors, so that its answer differs from
+    /// the others' by about as much as the form factors miss reciprocity
     #[arg(long, default_value = "jacobi", value_parser = choice(&[
         ("jacobi", SolverChoice::Jacobi), ("gauss-seidel", SolverChoice::GaussSeidel),
         ("shooting", SolverChoice::Shooting)]))]

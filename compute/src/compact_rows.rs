@@ -18,7 +18,8 @@
 //! patches or lamps send is not averaged away, and stays bit for bit. A narrow step is less than 2^-14 of
 //! the block's largest entry, and at most 2^-26 of a form factor of 1. What rounding leaves out of an entry
 //! is handed on to those that follow, and what it leaves out of a block to the next one, half a step to each entry at
-//! most, so a row keeps its sum to half a step, whatever its length, and equal radiosities are gathered as exactly as an f32 holds the result. Unequal ones
+//! most, so a row keeps its sum to half a step, whatever its length, but for entries below half a step, which are kept as
+//! one step, and equal radiosities are gathered as exactly as an f32 holds the result. Unequal ones
 //! have an error of about 2^-26 sqrt(n / 12) times their spread, where n entries have the largest
 //! step: a row has at most 2^11 entries that large, so that it is 2e-7 at most, a few roundings of an f32.
 //!

@@ -48,7 +48,7 @@ pub(super) const SPECK_REGION: u32 = SPECK_BACK - 1;
 /// Distances from a plane in plane tolerances from which on none can be rounding: twice what they are compared with.
 const NEAR_TOLERANCES: f64 = 2.0;
 
-/// Faces lie side by side at these distances, in pixels, so that what is in two of them is wider than [`MAX_RESOLUTION`].
+/// Faces lie side by side at these distances, in pixels, so that what is in two of them is at least as wide as [`MAX_RESOLUTION`].
 /// After the last one is what lies below the horizon.
 const FACE: i32 = 1 << 13;
 const FACES: usize = 5;
@@ -233,7 +233,7 @@ pub(super) fn set<S: Simd>(
             let [right, up, left, down] = *bounds.to_int::<i32x4<S>>().as_array();
             let (columns, rows) = (right + left + 1, up + down + 1);
             let is_near_centre = columns > 0 && rows > 0;
-            let is_in_faces = columns > MAX_RESOLUTION as i32;
+            let is_in_faces = columns >= MAX_RESOLUTION as i32;
             if is_in_faces || is_near_centre && columns * rows > candidate.most_pixels {
                 if region != own {
                     while let Some(other) = others.next_if(|&other| other < region) {

@@ -8,6 +8,7 @@ use scene::{Material, MaterialId, ObjectId, PatchId, Rgb, Scene, Surface, Surfac
 use crate::cpu::drawable::Dense;
 use crate::cpu::item_buffer::{BACK_FACE, HemicubeDrawer, NOTHING};
 use crate::cpu::{CpuRows, Drawable};
+use crate::hemicube::{Frame, MAX_RESOLUTION};
 use crate::hemicubes::Hemicubes;
 use crate::lamps::with_lamps;
 use crate::rows::{RowBatch, UNITS_PER_ONE};
@@ -195,4 +196,43 @@ fn rows_are_the_same_but_for_pixels_on_edges() {
         let one = f64::from(UNITS_PER_ONE);
         assert!(sum < 2e-3 * one, "{:?}: {}", drawn.patches(), sum / one);
     }
+}
+
+/// A corner in the last half pixel of the last face and one below the horizon are just as far apart as the largest
+/// hemicube is wide.
+#[test]
+fn regression_a_surface_overhead_is_seen_at_the_highest_resolution() {
+    let own = [
+        Vec3::new(-1.0, -1.0, 0.0),
+        Vec3::new(1.0, -1.0, 0.0),
+        Vec3::new(0.0, 2.0, 0.0),
+    ];
+    let over = [
+        Vec3::new(0.9999, -1.0, 2e-4),
+        Vec3::new(-0.5, 1.2, -1e-5),
+        Vec3::new(-1.0, 1.0, -1e-5),
+    ];
+    let below = |x: f32| {
+        [
+            Vec3::new(x, 0.0, -9.0),
+            Vec3::new(x + 0.5, 0.0, -9.0),
+            Vec3::new(x, 1.0, -9.0),
+        ]
+    };
+    let scene = scene(&[own, over, below(0.0), below(2.0), below(4.0)], 1e9);
+    let frame = Frame {
+        position: DVec3::ZERO,
+        tangent: DVec3::X,
+        bitangent: DVec3::Y,
+        normal: DVec3::Z,
+    };
+    let seen = all_ways(&scene).map(|drawable| {
+        let mut seen = 0;
+        let mut drawer = HemicubeDrawer::new(&drawable, MAX_RESOLUTION);
+        drawer.draw(SurfaceId(0), &frame, NOTHING, BACK_FACE, |_, _, ids| {
+            seen += ids.iter().filter(|&&id| id != NOTHING).count();
+        });
+        seen
+    });
+    assert!(seen[0] > 0 && seen == [seen[0]; 3], "{seen:?}");
 }
