@@ -1,7 +1,8 @@
 //! Which regions rise above a horizon: all that the hemicubes on one surface can see.
 //!
-//! Found once for all of them: no hemicube spends anything on what is behind its horizon, and nothing at all is spent on
-//! what is behind every horizon, the foot of a house, say.
+//! Found once for all of them, so that no piece is tried behind the horizon of a hemicube, and none of what is behind
+//! every horizon, the foot of a house, say. Only where pieces are all that is drawn: specks ([`super::specks`]) and rays
+//! ([`super::cast`]) find what is above a horizon in their own ways.
 
 #[cfg(test)]
 mod tests;
