@@ -3,11 +3,11 @@
 use glam::DVec3;
 use scene::{Scene, SurfaceId};
 
+use super::clusters::Clusters;
 use super::hierarchy::Hierarchy;
 use super::locate::Locators;
 use super::regions::Regions;
 use super::rounding::{plane_tolerance, reach};
-use super::specks::Candidates;
 
 /// What item buffers draw of a scene.
 #[derive(Debug)]
@@ -18,9 +18,11 @@ pub struct Drawable<'a> {
     pub(super) vertices: [Vec<f64>; 3],
     /// One per region.
     pub(super) facts: Vec<RegionFacts>,
+    /// Likewise.
+    pub(super) trees: Vec<RegionTree>,
     pub(super) locators: Locators,
-    /// What may be a speck, where these are looked for.
-    pub(super) candidates: Option<Candidates>,
+    /// Where specks are looked for.
+    pub(super) clusters: Option<Clusters>,
     pub(super) plane_tolerance: f64,
     /// Where pieces are so many that rays may be cast.
     pub(super) hierarchy: Option<Hierarchy>,
@@ -46,20 +48,20 @@ pub(super) enum Dense {
 /// Specks are looked for in scenes of so many regions.
 const FEWEST_REGIONS: usize = 1 << 10;
 
-/// Rays are cast instead of drawing all pieces from so many on for each pixel, where none of them is a speck. Tuned, at 128
-/// pixels, on the scenes of `benches/dense.rs`: a box full of small bodies, of which most are hidden, and a bumpy sphere seen
-/// from inside.
+/// Rays are cast instead of drawing all pieces from so many on for each pixel, where none of them is a speck. Tuned,
+/// at 128 pixels, on the scenes of `benches/dense.rs`: a box full of small bodies, of which most are hidden, and a
+/// bumpy sphere seen from inside.
 const PIECES_PER_PIXEL: f64 = 3.0;
 
-/// The same where specks are looked for. Three million triangles still take half as long as rays.
-const PIECES_PER_PIXEL_WITH_SPECKS: f64 = 150.0;
+/// The same where specks are looked for, tuned at 32 pixels: at 1,000 it depends on the scene.
+const PIECES_PER_PIXEL_WITH_SPECKS: f64 = 800.0;
 
 /// Fewer pixels count as this many: rays for them have their common costs too, and small scenes need no hierarchy.
 const FEWEST_PIXELS: usize = 1 << 10;
 
 /// Boxes are larger than what is in them by this many of the scene's plane tolerance: by the margins of
 /// fronts, and by the rounding of coordinates and of rays to f32.
-const BOX_MARGIN: f64 = 8.0;
+pub(super) const BOX_MARGIN: f64 = 8.0;
 
 /// What setting a region up asks for, all in one place.
 #[derive(Clone, Copy, Debug)]
@@ -70,7 +72,12 @@ pub(super) struct RegionFacts {
     pub offset: f64,
     /// Largest magnitude of its coordinates by axis, metres.
     pub reach: DVec3,
-    /// Of the bisection tree of its one surface; unused where there are more.
+}
+
+/// The bisection tree of a region's one surface; unused where there are more. Apart from the facts, for pixels that see
+/// specks ask for nothing else.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RegionTree {
     pub first_patch: u32,
     pub depth: u32,
 }
@@ -90,16 +97,21 @@ impl<'a> Drawable<'a> {
             .iter()
             .map(|region| {
                 let surfaces = || region.surfaces.iter().map(|&id| scene.surface(id));
-                let tree = scene.mesh().tree(region.surfaces[0]);
                 RegionFacts {
                     normal: region.normal,
                     offset: region.normal.dot(region.reference[0]),
                     reach: surfaces().map(reach).fold(DVec3::ZERO, DVec3::max),
-                    first_patch: tree.first_patch.0,
-                    depth: tree.depth,
                 }
             })
             .collect();
+        let trees = regions.regions().iter().map(|region| {
+            let tree = scene.mesh().tree(region.surfaces[0]);
+            RegionTree {
+                first_patch: tree.first_patch.0,
+                depth: tree.depth,
+            }
+        });
+        let trees = trees.collect();
         let plane_tolerance = plane_tolerance(scene);
         let fewest = PIECES_PER_PIXEL * FEWEST_PIXELS as f64;
         let (has_specks, has_rays) = match dense {
@@ -118,9 +130,10 @@ impl<'a> Drawable<'a> {
         Self {
             scene,
             locators: Locators::new(&regions),
-            candidates: has_specks.then(|| Candidates::new(&regions)).flatten(),
+            clusters: has_specks.then(|| Clusters::new(&regions)),
             vertices: [axis(0), axis(1), axis(2)],
             facts,
+            trees,
             plane_tolerance,
             hierarchy: has_rays.then(|| Hierarchy::new(&regions, margin)),
             dense,

@@ -1,8 +1,8 @@
 //! Which regions rise above a horizon: all that the hemicubes on one surface can see.
 //!
 //! Found once for all of them, so that no piece is tried behind the horizon of a hemicube, and none of what is behind
-//! every horizon, the foot of a house, say. Only where pieces are all that is drawn: specks ([`super::specks`]) and rays
-//! ([`super::cast`]) find what is above a horizon in their own ways.
+//! every horizon, the foot of a house, say. Only where pieces are all that is drawn: with specks whole clusters are
+//! left out ([`super::clusters`]), and rays ([`super::cast`]) go up only.
 
 #[cfg(test)]
 mod tests;

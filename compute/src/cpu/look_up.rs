@@ -22,7 +22,7 @@ use super::locate::{Located, Points};
 use super::projection::{OverPixels, Projection, over_pixels};
 use super::raster::NONE;
 use super::runs::for_each_run;
-use super::specks::{SPECK, SPECK_BACK, SPECK_REGION};
+use super::tried::{SPECK, SPECK_BACK, SPECK_REGION};
 use super::walk::{MemberOverPixels, NO_PICTURE, Walk};
 use crate::hemicube::Window;
 
@@ -159,17 +159,13 @@ fn way(projection: &Projection, window: &Window, index: usize, back_face: u32) -
         return Way::Constant(back_face);
     }
     let drawable = &projection.drawable;
-    let facts = &drawable.facts[seen.region as usize];
+    let tree = &drawable.trees[seen.region as usize];
     match &drawable.regions().regions()[seen.region as usize].locator {
-        None if facts.depth == 0 => Way::Constant(facts.first_patch),
+        None if tree.depth == 0 => Way::Constant(tree.first_patch),
         None => {
             let coordinates = projection.coordinates(seen.region);
             let over_pixels = coordinates.map(|e| over_pixels(e, window));
-            Way::Surface(Tree::over_pixels(
-                over_pixels,
-                facts.first_patch,
-                facts.depth,
-            ))
+            Way::Surface(Tree::over_pixels(over_pixels, tree.first_patch, tree.depth))
         }
         Some(locator) => {
             let coordinates = projection.coordinates(seen.region);
@@ -299,18 +295,18 @@ fn look_up_speck(
     ids: &mut [u32],
 ) {
     let region = index & SPECK_REGION;
-    let facts = &projection.drawable.facts[region as usize];
+    let tree = &projection.drawable.trees[region as usize];
     if index & SPECK_BACK != 0 {
         ids.fill(back_face);
-    } else if facts.depth == 0 {
-        ids.fill(facts.first_patch);
+    } else if tree.depth == 0 {
+        ids.fill(tree.first_patch);
     } else {
         let coordinates = projection
             .coordinates(region)
             .map(|e| over_pixels(e, window));
         for (k, id) in ids.iter_mut().enumerate() {
             let at = |[a, b, c]: OverPixels| (a * (i + k) as f64 + (b * j as f64 + c)) as f32;
-            *id = facts.first_patch + leaf_code(facts.depth, coordinates.map(at));
+            *id = tree.first_patch + leaf_code(tree.depth, coordinates.map(at));
         }
     }
 }

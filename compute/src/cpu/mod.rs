@@ -1,6 +1,9 @@
 //! The cpu back end: hemicubes drawn on all cores, in plain Rust. The readable twin of [`crate::gpu`].
 
 mod cast;
+mod clusters;
+mod coarse_depth;
+mod distant;
 mod drawable;
 mod hierarchy;
 mod horizon;
@@ -15,6 +18,9 @@ mod rounding;
 pub mod rows;
 mod runs;
 mod specks;
+#[cfg(test)]
+mod test_scenes;
+mod tried;
 mod vectors;
 mod walk;
 

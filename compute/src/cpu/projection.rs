@@ -175,8 +175,8 @@ impl<'a> Projection<'a> {
     pub fn set_for_hemicube(&mut self, resolution: u32, frame: &Frame, own: SurfaceId) {
         let drawable = Arc::clone(&self.drawable);
         let pixels = pixel_count(resolution);
-        let specks = drawable.candidates.as_ref();
-        let Some(candidates) = specks.filter(|_| !drawable.casts(pixels, true)) else {
+        let specks = drawable.clusters.as_ref();
+        let Some(clusters) = specks.filter(|_| !drawable.casts(pixels, true)) else {
             return self.set_for(pixels, frame, Some(own), true, Cull::Nothing);
         };
         self.casting = None;
@@ -185,7 +185,7 @@ impl<'a> Projection<'a> {
         self.own = Some(own);
         let mut specks = std::mem::take(&mut self.specks);
         dispatch!(self.level, simd => specks::set(
-            simd, self, &mut specks, candidates, own, resolution
+            simd, self, &mut specks, clusters, own, resolution
         ));
         self.specks = specks;
     }

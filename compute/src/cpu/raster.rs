@@ -18,11 +18,13 @@ use glam::DVec3;
 use scene::SurfaceId;
 
 use super::cast::{BACK, cast};
+use super::coarse_depth::CoarseDepth;
 use super::look_up::LookUp;
 use super::outside;
 use super::projection::{Edge, Projection, over_pixels};
 use super::runs::for_each_run;
 use super::specks;
+use super::tried::Picture;
 use crate::hemicube::Window;
 
 /// Front faces are drawn this much too large, in pixels, so that a ray through an edge or a corner
@@ -67,6 +69,7 @@ pub struct Raster {
     inverse_depth: Vec<f32>,
     /// Index into the projection's pieces, or [`NONE`]; `width + PADDING` a row.
     pieces: Vec<u32>,
+    coarse: CoarseDepth,
     spans: Spans,
     look_up: LookUp,
 }
@@ -78,6 +81,7 @@ impl Default for Raster {
             window: None,
             inverse_depth: Vec::new(),
             pieces: Vec::new(),
+            coarse: CoarseDepth::default(),
             spans: Spans::default(),
             look_up: LookUp::default(),
         }
@@ -102,9 +106,13 @@ impl Raster {
             let beyond = face.map_or(0, |face| outside::OF_FACES[face]);
             self.draw_inside(projection, window, beyond);
             if let Some(face) = face {
-                let (depths, pieces) = (&mut self.inverse_depth, &mut self.pieces);
+                let mut picture = Picture {
+                    inverse_depth: &mut self.inverse_depth,
+                    pieces: &mut self.pieces,
+                    coarse: &mut self.coarse,
+                };
                 dispatch!(self.level, simd => specks::draw(
-                    simd, projection, face, window, depths, pieces
+                    simd, projection, face, window, &mut picture
                 ));
             }
             return;

@@ -2,86 +2,18 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, Quat, Vec3};
-use scene::{Material, MaterialId, ObjectId, PatchId, Rgb, Scene, Surface, SurfaceId};
+use glam::{DVec3, Vec3};
+use scene::{PatchId, Scene, SurfaceId};
 
 use crate::cpu::drawable::Dense;
 use crate::cpu::item_buffer::{BACK_FACE, HemicubeDrawer, NOTHING};
+use crate::cpu::test_scenes::{bumpy_sphere, furnished_sphere, scene};
 use crate::cpu::{CpuRows, Drawable};
 use crate::hemicube::{Frame, MAX_RESOLUTION};
 use crate::hemicubes::Hemicubes;
 use crate::lamps::with_lamps;
 use crate::rows::{RowBatch, UNITS_PER_ONE};
 use crate::settings::{FormFactorSettings, LampViews, Points};
-
-type Triangle = [Vec3; 3];
-
-fn scene(surfaces: &[Triangle], max_area: f64) -> Scene {
-    let material = |emission: f32| Material {
-        name: "stone".into(),
-        reflectance: Rgb::splat(0.5),
-        emission: Rgb::splat(emission),
-    };
-    // The last two shine.
-    let surface = |(k, &corners): (usize, &Triangle)| Surface {
-        corners,
-        material: MaterialId(u32::from(k + 2 >= surfaces.len())),
-        object: ObjectId(0),
-    };
-    let surfaces = surfaces.iter().enumerate().map(surface).collect();
-    let materials = vec![material(0.0), material(9.0)];
-    let objects = vec!["all".into()];
-    Scene::with_max_area(materials, objects, surfaces, max_area, DVec3::ZERO).unwrap()
-}
-
-/// A sphere of radius about 1 m with bumps, turned inwards: a cube whose faces have `cells` x `cells`
-/// squares of two triangles, blown up.
-fn bumpy_sphere(cells: u32) -> Vec<Triangle> {
-    let at = |face: u32, i: u32, j: u32| -> Vec3 {
-        let across = |k: u32| 2.0 * k as f32 / cells as f32 - 1.0;
-        let (x, y) = (across(i), across(j));
-        let on_cube = match face {
-            0 => Vec3::new(x, y, 1.0),
-            1 => Vec3::new(y, x, -1.0),
-            2 => Vec3::new(1.0, x, y),
-            3 => Vec3::new(-1.0, y, x),
-            4 => Vec3::new(y, 1.0, x),
-            _ => Vec3::new(x, -1.0, y),
-        };
-        let out = on_cube.normalize();
-        let bumps = (9.0 * out.x).sin() * (8.0 * out.y).cos() * (7.0 * out.z).sin();
-        (1.0 + 0.05 * bumps) * out
-    };
-    let mut surfaces = Vec::new();
-    for k in 0..6 * cells * cells {
-        let (face, i, j) = (k / (cells * cells), k / cells % cells, k % cells);
-        let [a, b] = [at(face, i, j), at(face, i + 1, j)];
-        let [c, d] = [at(face, i, j + 1), at(face, i + 1, j + 1)];
-        surfaces.extend([[a, c, b], [b, c, d]]);
-    }
-    surfaces
-}
-
-/// A ball in the sphere, seen from outside, and a square that floats in it, of which both sides are seen.
-fn furnished_sphere() -> Vec<Triangle> {
-    let mut surfaces = bumpy_sphere(20);
-    let place = |p: Vec3| 0.3 * p + Vec3::new(0.2, 0.1, 0.3);
-    surfaces.extend(
-        bumpy_sphere(12)
-            .into_iter()
-            .map(|[a, b, c]| [a, c, b].map(place)),
-    );
-    let turn = Quat::from_rotation_x(0.4) * Quat::from_rotation_y(0.3);
-    let corner = |x: f32, y: f32| turn * Vec3::new(0.6 * x, 0.6 * y, 0.0) - 0.4;
-    let [a, b, c, d] = [
-        corner(0.0, 0.0),
-        corner(1.0, 0.0),
-        corner(1.0, 1.0),
-        corner(0.0, 1.0),
-    ];
-    surfaces.extend([[a, b, c], [a, c, d]]);
-    surfaces
-}
 
 fn settings(resolution: u32) -> FormFactorSettings {
     FormFactorSettings {
@@ -99,11 +31,14 @@ fn all_ways(scene: &Scene) -> [Arc<Drawable<'_>>; 3] {
 /// a surface are looked up in the same way.
 #[test]
 fn specks_and_rays_show_what_is_drawn_but_on_edges() {
-    for max_area in [f64::INFINITY, 0.002] {
+    // Where pixels are so large all clusters but the nearest are distant.
+    for (max_area, resolution) in [(f64::INFINITY, 64), (0.002, 64), (0.002, 16)] {
         let scene = scene(&furnished_sphere(), max_area);
         let drawables = all_ways(&scene);
-        let hemicubes = Hemicubes::between(&scene, &drawables[0], settings(64));
-        let mut drawers = drawables.each_ref().map(|d| HemicubeDrawer::new(d, 64));
+        let hemicubes = Hemicubes::between(&scene, &drawables[0], settings(resolution));
+        let mut drawers = drawables
+            .each_ref()
+            .map(|d| HemicubeDrawer::new(d, resolution));
         let (mut pixels, mut differing, mut backs) = (0, [0; 2], [0; 2]);
         let step = (scene.patch_count() / 40) as usize;
         for patch in (0..scene.patch_count()).step_by(step).map(PatchId) {
@@ -125,7 +60,8 @@ fn specks_and_rays_show_what_is_drawn_but_on_edges() {
         println!("{differing:?} of {pixels} pixels differ");
         assert!(!backs.contains(&0), "no back was seen");
         // Margins move edges by some 8e-7 m, which from a metre is 3e-5 of the 32 pixels of a radian, and a
-        // pixel has some three pixels of edges in it: 1e-4 of the pixels, or twice that.
+        // pixel has some three pixels of edges in it: 1e-4 of the pixels, or twice that. Larger pixels have more
+        // edges in them, which are moved by less.
         let most = pixels / 5000;
         assert!(
             differing.iter().all(|&n| n < most),

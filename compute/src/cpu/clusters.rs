@@ -1,0 +1,270 @@
+//! A scene's regions in clusters of neighbours, for scenes of many.
+//!
+//! What holds of a cluster's box need not be asked of each region in it: whether it rises above an eye's horizon,
+//! which faces of a hemicube see it, how large its triangles are in pixels at most, whether it is hidden. Corners are
+//! numbered within a cluster, so that what is found of them stays in the nearest cache.
+
+// Functions that a vectorised caller needs must be inlined into it: compiled on their own they would
+// be for the baseline instruction set.
+#![allow(clippy::inline_always)]
+
+#[cfg(test)]
+mod tests;
+
+use std::ops::Range;
+
+use glam::{DVec3, Vec3};
+use scene::SurfaceId;
+
+use super::regions::{Region, Regions};
+use crate::hemicube::Frame;
+
+/// Regions in a cluster at most: as many as have corners that a byte can number. Of 32, 64 and 128 tuned on
+/// `benches/dense.rs`.
+pub(super) const REGIONS: usize = 64;
+
+/// Vertices that are dealt with together.
+pub(super) const LANES: usize = 8;
+
+/// Clusters in a group: enough for what lies in a row in memory to be fetched in a row. Tuned likewise.
+const CLUSTERS: usize = 8;
+
+/// Lists of fewer regions are sorted by one thread.
+const REGIONS_PER_TASK: usize = 1 << 12;
+
+/// What all regions of a cluster are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Single triangles, each of one surface.
+    Triangles,
+    /// Other convex polygons of up to four corners.
+    Polygons,
+    /// Anything else.
+    Others,
+}
+
+/// A box that holds regions, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Bounds {
+    pub middle: DVec3,
+    /// From there to its sides.
+    pub half: DVec3,
+    /// From there to its corners.
+    pub radius: f64,
+}
+
+/// Regions that are near each other.
+#[derive(Clone, Debug)]
+pub(super) struct Cluster {
+    pub bounds: Bounds,
+    /// Longest side of its triangles, metres; 0 for other kinds.
+    pub longest: f32,
+    pub kind: Kind,
+    /// Of [`Clusters::regions`].
+    pub regions: Range<u32>,
+    /// Of [`Clusters::vertices`]; none in a cluster of others. The last one is there as often as [`LANES`] ask for.
+    pub vertices: Range<u32>,
+}
+
+impl Bounds {
+    fn new(low: DVec3, high: DVec3) -> Self {
+        let half = 0.5 * (high - low);
+        Self {
+            middle: 0.5 * (low + high),
+            half,
+            radius: half.length(),
+        }
+    }
+
+    /// True where none of it is above an eye's horizon.
+    #[inline(always)]
+    pub fn is_below(&self, frame: &Frame) -> bool {
+        let height = frame.normal.dot(self.middle - frame.position);
+        height + frame.normal.abs().dot(self.half) <= 0.0
+    }
+}
+
+impl Cluster {
+    /// Places of its regions in the lists of all.
+    pub fn places(&self) -> Range<usize> {
+        self.regions.start as usize..self.regions.end as usize
+    }
+}
+
+/// All regions of a scene.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Clusters {
+    pub all: Vec<Cluster>,
+    /// Of every [`CLUSTERS`] of them.
+    groups: Vec<Bounds>,
+    /// Cluster after cluster.
+    pub regions: Vec<u32>,
+    /// The first one of each of these.
+    pub surfaces: Vec<SurfaceId>,
+    /// Of each of these, numbers of its cluster's vertices; a triangle's last one is there twice.
+    pub corners: Vec<[u8; 4]>,
+    /// Cluster after cluster, axis after axis, metres.
+    pub vertices: [Vec<f32>; 3],
+}
+
+impl Clusters {
+    /// Clusters of all regions.
+    pub fn new(regions: &Regions) -> Self {
+        let mut clusters = Self::default();
+        for kind in [Kind::Triangles, Kind::Polygons, Kind::Others] {
+            let mut items: Vec<Item> = (0..)
+                .zip(regions.regions())
+                .filter(|(_, region)| kind_of(regions, region) == kind)
+                .map(|(id, region)| Item::new(regions, id, region))
+                .collect();
+            sort(&mut items);
+            for items in items.chunks(REGIONS) {
+                clusters.push(regions, kind, items);
+            }
+        }
+        clusters.groups = clusters.all.chunks(CLUSTERS).map(bounds_of).collect();
+        clusters
+    }
+
+    /// Groups of neighbours, with the numbers of their first clusters and the boxes of all.
+    pub fn groups(&self) -> impl Iterator<Item = (u32, &Bounds, &[Cluster])> {
+        let firsts = (0..).step_by(CLUSTERS);
+        let groups = self.groups.iter().zip(self.all.chunks(CLUSTERS));
+        firsts
+            .zip(groups)
+            .map(|(first, (bounds, clusters))| (first, bounds, clusters))
+    }
+
+    /// A cluster's regions.
+    pub fn regions_of(&self, cluster: &Cluster) -> &[u32] {
+        &self.regions[cluster.places()]
+    }
+
+    /// A cluster's vertices, axis after axis, metres; none of a cluster of others.
+    pub fn vertices_of(&self, cluster: &Cluster) -> [&[f32]; 3] {
+        let Range { start, end } = cluster.vertices;
+        let part = start as usize..end as usize;
+        self.vertices.each_ref().map(|axis| &axis[part.clone()])
+    }
+
+    fn push(&mut self, regions: &Regions, kind: Kind, items: &[Item]) {
+        let low = items.iter().fold(Vec3::MAX, |low, item| low.min(item.low));
+        let high = items
+            .iter()
+            .fold(Vec3::MIN, |high, item| high.max(item.high));
+        let mut cluster = Cluster {
+            bounds: Bounds::new(low.as_dvec3(), high.as_dvec3()),
+            longest: 0.0,
+            kind,
+            regions: self.regions.len() as u32..(self.regions.len() + items.len()) as u32,
+            vertices: 0..0,
+        };
+        let mut known = Vec::new();
+        for item in items {
+            self.regions.push(item.region);
+            self.surfaces
+                .push(regions.regions()[item.region as usize].surfaces[0]);
+            let mut numbers = [0; 4];
+            if kind != Kind::Others {
+                let region = &regions.regions()[item.region as usize];
+                let corners = regions.corners(region.pieces.start as usize);
+                for (k, number) in numbers.iter_mut().enumerate() {
+                    let vertex = corners[k.min(corners.len() - 1)];
+                    let place = known.iter().position(|&other| other == vertex);
+                    *number = place.unwrap_or(known.len()) as u8;
+                    if place.is_none() {
+                        known.push(vertex);
+                    }
+                }
+                if kind == Kind::Triangles {
+                    let [a, b, c] = [0, 1, 2].map(|k| regions.vertices()[corners[k] as usize]);
+                    let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+                    cluster.longest = cluster.longest.max(longest);
+                }
+            }
+            self.corners.push(numbers);
+        }
+        let first = self.vertices[0].len();
+        for k in 0..known.len().next_multiple_of(LANES) {
+            let vertex = regions.vertices()[known[k.min(known.len() - 1)] as usize];
+            for (axis, value) in self.vertices.iter_mut().zip(vertex.to_array()) {
+                axis.push(value);
+            }
+        }
+        cluster.vertices = first as u32..self.vertices[0].len() as u32;
+        self.all.push(cluster);
+    }
+}
+
+/// The box of some clusters.
+fn bounds_of(clusters: &[Cluster]) -> Bounds {
+    let (mut low, mut high) = (DVec3::MAX, DVec3::MIN);
+    for Cluster { bounds, .. } in clusters {
+        low = low.min(bounds.middle - bounds.half);
+        high = high.max(bounds.middle + bounds.half);
+    }
+    Bounds::new(low, high)
+}
+
+fn kind_of(regions: &Regions, region: &Region) -> Kind {
+    let corners = regions.corners(region.pieces.start as usize);
+    match (region.pieces.len(), corners.len(), region.surfaces.len()) {
+        (1, 3, 1) => Kind::Triangles,
+        (1, 3 | 4, _) => Kind::Polygons,
+        _ => Kind::Others,
+    }
+}
+
+/// A region and its box, metres.
+#[derive(Clone, Copy, Debug)]
+struct Item {
+    region: u32,
+    low: Vec3,
+    high: Vec3,
+}
+
+impl Item {
+    fn new(regions: &Regions, id: u32, region: &Region) -> Self {
+        let mut item = Self {
+            region: id,
+            low: Vec3::MAX,
+            high: Vec3::MIN,
+        };
+        let pieces = region.pieces.clone();
+        for &vertex in pieces.flat_map(|piece| regions.corners(piece as usize)) {
+            let vertex = regions.vertices()[vertex as usize];
+            item.low = item.low.min(vertex);
+            item.high = item.high.max(vertex);
+        }
+        item
+    }
+
+    /// Twice the middle of its box.
+    fn middle(&self) -> Vec3 {
+        self.low + self.high
+    }
+}
+
+/// Sorts such that every [`REGIONS`] of them are near each other: halves them along their longest extent, and again.
+fn sort(items: &mut [Item]) {
+    if items.len() <= REGIONS {
+        return;
+    }
+    let middles = || items.iter().map(Item::middle);
+    let extent = middles().fold(Vec3::MIN, Vec3::max) - middles().fold(Vec3::MAX, Vec3::min);
+    let axis = extent.max_position();
+    let half = (items.len() / 2).next_multiple_of(REGIONS);
+    // Regions that are at the same place are told apart by their numbers.
+    items.select_nth_unstable_by(half - 1, |a, b| {
+        let by_place = a.middle()[axis].total_cmp(&b.middle()[axis]);
+        by_place.then(a.region.cmp(&b.region))
+    });
+    let is_small = items.len() < REGIONS_PER_TASK;
+    let (low, high) = items.split_at_mut(half);
+    if is_small {
+        sort(low);
+        sort(high);
+    } else {
+        rayon::join(|| sort(low), || sort(high));
+    }
+}
