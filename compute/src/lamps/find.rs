@@ -1,5 +1,8 @@
 //! What the lamps of a scene are.
 
+#[cfg(test)]
+mod tests;
+
 use std::ops::Range;
 
 use glam::{DVec3, Vec3};
@@ -77,8 +80,7 @@ fn patches(scene: &Scene, surfaces: &[SurfaceId]) -> Vec<Range<u32>> {
     ranges
 }
 
-/// Groups of surfaces that share corners, one next to the other, with those they may be joined to; each
-/// in its order.
+/// Groups of surfaces that share corners with those that they may be joined to; each in its order.
 fn touching(
     scene: &Scene,
     surfaces: &[SurfaceId],
@@ -104,12 +106,17 @@ fn touching(
         }
         k
     };
+    // One of each group at a corner.
+    let mut apart: Vec<usize> = Vec::new();
     for same in by_corner.chunk_by(|a, b| a.0 == b.0) {
-        for pair in same.windows(2) {
-            let (j, k) = (pair[0].1, pair[1].1);
-            let (a, b) = (root(&mut first, j), root(&mut first, k));
-            if a != b && may_join(surfaces[j], surfaces[k]) {
+        apart.clear();
+        for &(_, k) in same {
+            let joined = |&&j: &&usize| may_join(surfaces[j], surfaces[k]);
+            if let Some(&j) = apart.iter().find(joined) {
+                let (a, b) = (root(&mut first, j), root(&mut first, k));
                 first[a.max(b)] = a.min(b);
+            } else {
+                apart.push(k);
             }
         }
     }
