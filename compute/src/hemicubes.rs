@@ -205,10 +205,11 @@ impl<'a> Hemicubes<'a> {
             .map(|(&count, table)| (count, table))
     }
 
-    /// Where the hemicubes of a patch stand; its form factors are the mean over them.
+    /// Where the hemicubes of a patch stand; its form factors are the mean over them. Their normal is that of the
+    /// wall that the patch's surface is drawn with: a sliver's own one is not known as well.
     pub fn frames(&self, patch: PatchId) -> Vec<Frame> {
         let geometry = self.receivers.patch(patch);
-        let normal = self.receivers.surface(geometry.surface).normal();
+        let normal = self.drawable.normal_of(geometry.surface);
         let points = self
             .rule(patch)
             .points(geometry.corners.map(Vec3::as_dvec3));

@@ -5,10 +5,13 @@ mod common;
 use std::sync::Arc;
 
 use common::objects::grid;
+use compute::cpu::item_buffer::{BACK_FACE, HemicubeDrawer, NOTHING};
 use compute::cpu::{Cull, Drawable, Projection, Raster, Sample};
 use compute::hemicube::{self, Frame, Window};
+use compute::hemicubes::Hemicubes;
+use compute::settings::{FormFactorSettings, Points};
 use genx::{Model, Settings};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, EulerRot, Quat, Vec3};
 use scene::{PatchId, Scene, Surface};
 
 /// How far from a patch, in pixels, a ray may meet its wall that is said to see it: walks may stay on a surface
@@ -191,4 +194,46 @@ fn no_pixel_sees_what_is_hidden() {
         }
     }
     assert!(hidden > 12 * 100 && visible > 12 * 50, "{hidden} {visible}");
+}
+
+/// Walls that are fans of slivers, some no wider than a few roundings of their corners, whose own normals are not their
+/// wall's: hemicubes stand on the wall all the same.
+#[test]
+fn closed_rooms_leak_nothing_to_hemicubes_on_slivers() {
+    const SLIVERS: usize = 60;
+    let turn = Quat::from_euler(EulerRot::XYZ, 0.4, 1.1, -0.7);
+    let mut surfaces: Vec<Surface> = Vec::new();
+    for wall in common::block(Vec3::ZERO, Vec3::new(3.0, 4.0, 2.5), false, 0).chunks_exact(2) {
+        let [a, b, c] = wall[0].corners;
+        let ring = [a, b, c, a + c - b];
+        let middle = a + 0.3 * (b - a) + 0.6 * (c - b);
+        let along = |side: usize, k: usize| {
+            let share = (k as f32 / SLIVERS as f32).powi(4);
+            turn * ring[side].lerp(ring[(side + 1) % 4], share)
+        };
+        surfaces.extend(
+            (0..4 * SLIVERS)
+                .map(|k| (k / SLIVERS, k % SLIVERS))
+                .map(|(side, k)| Surface {
+                    corners: [turn * middle, along(side, k), along(side, k + 1)],
+                    ..wall[0]
+                })
+                .filter(|surface| !surface.is_degenerate()),
+        );
+    }
+    let scene = common::scene(vec![common::material(0.5, 1.0)], surfaces, f64::INFINITY);
+    let settings = FormFactorSettings {
+        points: Points::CENTROID,
+        ..FormFactorSettings::new(32)
+    };
+    let hemicubes = Hemicubes::new(&scene, settings);
+    let mut drawer = HemicubeDrawer::new(hemicubes.drawable(), 32);
+    let leaks = |patch: &PatchId| {
+        let frame = hemicubes.frames(*patch)[0];
+        let ids = drawer.item_buffer(hemicubes.surface_of(*patch), &frame);
+        ids.contains(&NOTHING) || ids.contains(&BACK_FACE)
+    };
+    let patches = (0..scene.patch_count()).map(PatchId);
+    let leaking: Vec<PatchId> = patches.filter(leaks).collect();
+    assert!(leaking.is_empty(), "{leaking:?} of {}", scene.patch_count());
 }

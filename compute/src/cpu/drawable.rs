@@ -175,6 +175,11 @@ impl<'a> Drawable<'a> {
         self.regions.region_of(surface)
     }
 
+    /// Unit normal of the region that a surface is in.
+    pub fn normal_of(&self, surface: SurfaceId) -> DVec3 {
+        self.regions.regions()[self.region_of(surface) as usize].normal
+    }
+
     /// The surface that holds a point of a region, and the point's barycentric coordinates in it; both kinds of
     /// coordinates have a common factor. `last` is the member to try first, and then the one that was right.
     pub(super) fn surface_at(

@@ -3,6 +3,7 @@
 //! Found in f64, on the host, once for all hemicubes that stand on a surface; the device gets a bit for each
 //! surface of the scene. What of these comes into a face it finds itself.
 
+use glam::DVec3;
 use scene::{Scene, SurfaceId};
 
 use crate::cpu;
@@ -38,12 +39,11 @@ impl Horizon {
     }
 
     /// Finds the surfaces that rise above the plane of `own`, where all its hemicubes stand, with the cpu's
-    /// tolerance.
-    pub fn find(&mut self, scene: &Scene, own: SurfaceId, tolerance: f64) {
+    /// tolerance. `normal` is theirs.
+    pub fn find(&mut self, scene: &Scene, own: SurfaceId, normal: DVec3, tolerance: f64) {
         if self.own == Some(own) {
             return;
         }
-        let normal = scene.surface(own).normal();
         let height = |p: glam::Vec3| p.as_dvec3().dot(normal);
         let own_height = height(scene.surface(own).corners[0]);
         let own_reach = cpu::reach(scene.surface(own));

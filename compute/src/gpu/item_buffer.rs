@@ -180,9 +180,10 @@ impl AtlasDrawer {
         &self.colour_view
     }
 
-    /// Whether a tile of a hemicube on this surface can be added before the next [`Self::draw`].
-    pub fn has_room(&mut self, scene: &Scene, own: SurfaceId) -> bool {
-        self.horizon.find(scene, own, self.plane_tolerance);
+    /// Whether a tile of the hemicube at `frame` on a surface can be added before the next [`Self::draw`].
+    pub fn has_room(&mut self, scene: &Scene, own: SurfaceId, frame: &Frame) -> bool {
+        self.horizon
+            .find(scene, own, frame.normal, self.plane_tolerance);
         let pending = &self.pending;
         let is_known = matches!(pending.last_horizon, Some((surface, _)) if surface == own);
         let words = if is_known {
@@ -206,7 +207,7 @@ impl AtlasDrawer {
         tile: usize,
         origin: [u32; 2],
     ) {
-        let horizon = self.horizon_of(scene, own);
+        let horizon = self.horizon_of(scene, own, frame);
         let mut y = origin[1];
         for &face in FACES_OF_TILE[tile] {
             let window = &self.windows[face];
@@ -294,8 +295,9 @@ impl AtlasDrawer {
     }
 
     /// Where a surface's horizon starts; there is room for it.
-    fn horizon_of(&mut self, scene: &Scene, own: SurfaceId) -> u32 {
-        self.horizon.find(scene, own, self.plane_tolerance);
+    fn horizon_of(&mut self, scene: &Scene, own: SurfaceId, frame: &Frame) -> u32 {
+        self.horizon
+            .find(scene, own, frame.normal, self.plane_tolerance);
         if let Some((surface, start)) = self.pending.last_horizon
             && surface == own
         {

@@ -83,7 +83,7 @@ fn add_sample(drawer: &mut AtlasDrawer, hemicubes: &Hemicubes, count: u32) {
         let own = hemicubes.surface_of(patch);
         let frame = &hemicubes.frames(patch)[0];
         for tile in 0..TILES_PER_HEMICUBE {
-            if !drawer.has_room(scene, own) {
+            if !drawer.has_room(scene, own, frame) {
                 return;
             }
             let origin = drawer.layout().origin(k, tile);

@@ -132,7 +132,8 @@ impl<'a> GpuRows<'a> {
         let frames = self.hemicubes.frames(patch);
         for (number, frame) in (self.hemicubes.first(patch)..).zip(&frames) {
             for tile in 0..TILES_PER_HEMICUBE {
-                if self.tiles.len() as u32 >= self.pace.tiles() || !self.drawer.has_room(scene, own)
+                if self.tiles.len() as u32 >= self.pace.tiles()
+                    || !self.drawer.has_room(scene, own, frame)
                 {
                     self.submit(0)?;
                 }
