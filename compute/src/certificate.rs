@@ -324,15 +324,13 @@ impl Certificate {
                 percent(BACK_FACE_SHARE_TOLERANCE)
             ));
         }
+        // Where no iteration is done, form factors are all that is asked for.
         if let Some(imbalance) = self.imbalance
+            && let Some(residual) = residual
             && imbalance.abs() > IMBALANCE_TOLERANCE
         {
-            let residual = residual.map_or_else(
-                || "no iteration was done".to_owned(),
-                |residual| format!("the residual is {residual:.1e}"),
-            );
             violations.push(format!(
-                "{} of the emitted power is neither absorbed nor lost (at most {}); {residual}: \
+                "{} of the emitted power is neither absorbed nor lost (at most {}); the residual is {residual:.1e}: \
                  iterate longer, or use more --points or smaller patches",
                 percent(imbalance),
                 percent(IMBALANCE_TOLERANCE)

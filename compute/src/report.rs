@@ -310,13 +310,16 @@ impl Report {
         if !self.settings.strict {
             warnings = self.certificate.warnings();
         }
-        // Who set another limit knows that it is not converged.
-        if self.stopped_by == StoppedBy::Tolerance
-            && let Some(convergence) = &self.convergence
-        {
-            warnings.extend(convergence.warning(self.settings.tolerance));
-        }
+        warnings.extend(self.not_converged());
         warnings
+    }
+
+    /// What is to be said where the residual has reached the tolerance, but the solution is far. Who set another limit
+    /// knows that it is not converged.
+    fn not_converged(&self) -> Option<String> {
+        let convergence = self.convergence.as_ref()?;
+        (self.stopped_by == StoppedBy::Tolerance)
+            .then(|| convergence.warning(self.settings.tolerance))?
     }
 
     /// A few lines for people.
@@ -400,10 +403,14 @@ impl Report {
         let error = self.convergence.map_or_else(String::new, |convergence| {
             format!(", estimated error {:.1e}", convergence.estimated_error)
         });
+        let end = if self.not_converged().is_some() {
+            "within the tolerance, but not converged"
+        } else {
+            self.stopped_by.describe()
+        };
         lines.push(format!(
-            "result         {} iterations{next}, residual {residual}{error}, {}",
+            "result         {} iterations{next}, residual {residual}{error}, {end}",
             self.iterations,
-            self.stopped_by.describe(),
         ));
         lines.join("\n")
     }

@@ -89,6 +89,15 @@ fn what_is_not_converged_fails() {
     assert!((imbalance - 0.5).abs() < 1e-6, "{imbalance}");
 }
 
+/// Then there is no light yet whose balance could be judged, and nothing amiss to be told.
+#[test]
+fn form_factors_alone_are_certified() {
+    let folder = folder_with(&walls(Vec3::ONE), 0.1);
+    let certificate = assert_passes(folder.path(), &["--iterations", "0"]);
+    assert_eq!(certificate["imbalance"], 1.0);
+    assert!(certificate["reciprocity"]["rms"].as_f64().unwrap() > 0.0);
+}
+
 /// Every other wall sees the flipped one, whose front nobody sees: four adjacent ones a fraction of
 /// 0.200044, the opposite one 0.199825 of it, 0.2000 in the mean.
 #[test]

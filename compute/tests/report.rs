@@ -5,7 +5,8 @@ mod common;
 use std::path::Path;
 
 use common::methods::ROUNDING;
-use common::{folder, folder_with_room, load, save, solve};
+use common::{folder, folder_with_room, load, save, solve, stdout};
+use glam::Vec3;
 use serde_json::Value;
 
 fn report(folder: &Path, arguments: &[&str]) -> Value {
@@ -258,6 +259,33 @@ fn what_a_run_has_not_drawn_is_null_in_its_report() {
         assert_eq!(report.pointer(path), Some(&Value::Null), "{path}");
     }
     assert!(numbers(&report["energy"]["absorbed_w"])[0] > 0.0);
+}
+
+/// Next to reflectance 1 radiosities hardly change long before they are right; the summary does not call that converged.
+#[test]
+fn summary_tells_what_is_within_the_tolerance_and_not_converged() {
+    let folder = folder();
+    for (reflectance, is_converged) in [(0.5, true), (0.9995, false)] {
+        let materials = vec![common::material(reflectance, 1.0)];
+        let walls = common::block(Vec3::ZERO, Vec3::ONE, false, 0);
+        save(
+            folder.path(),
+            "in.rad",
+            &common::scene(materials, walls, 9.0),
+        );
+        let said = solve(
+            folder.path(),
+            &["in.rad", "out.rad", "8", "--tolerance", "1e-3"],
+        );
+        let said = stdout(&said);
+        assert_eq!(
+            said.contains("converged to the tolerance"),
+            is_converged,
+            "{said}"
+        );
+        let says_not = said.contains("within the tolerance, but not converged");
+        assert_eq!(says_not, !is_converged, "{said}");
+    }
 }
 
 #[test]

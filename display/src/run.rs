@@ -22,7 +22,7 @@ pub fn run(settings: &Settings) -> Result<()> {
     settings.validate()?;
     let (scene, solution) = scene::file::load(&settings.input)?;
     if shows_solution(settings)
-        && let Some(trouble) = trouble(solution.as_ref(), settings.render.quantity)
+        && let Some(trouble) = trouble(&scene, solution.as_ref(), settings.render.quantity)
     {
         note(&format!("{}: {trouble}", settings.input.display()));
     }
@@ -47,8 +47,15 @@ fn shows_solution(settings: &Settings) -> bool {
     is_exported || (settings.out.is_some() && is_colored)
 }
 
-/// What keeps a solution from being one, and what to do.
-fn trouble(solution: Option<&Solution>, quantity: Quantity) -> Option<String> {
+/// What keeps a solution from being one, or from showing anything, and what to do.
+fn trouble(scene: &Scene, solution: Option<&Solution>, quantity: Quantity) -> Option<String> {
+    if !scene
+        .surfaces()
+        .iter()
+        .any(|s| scene.material(s.material).is_emitter())
+    {
+        return Some("nothing emits, so all is black; give a material an emission".into());
+    }
     let shown = match quantity {
         Quantity::Radiosity => "the radiosity shown is the emission alone",
         Quantity::Irradiance => "the irradiance shown is 0",

@@ -308,6 +308,39 @@ fn solution_that_is_not_finished_is_noted_where_it_is_shown() {
 }
 
 #[test]
+fn scene_that_nothing_lights_says_so() {
+    let folder = folder();
+    let mut builder = common::Builder::default();
+    let wall = builder.material(0.7, 0.0);
+    builder.quad(
+        [
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [1.0, 1.0, 0.0],
+            [0.0, 1.0, 0.0],
+        ],
+        wall,
+        0,
+    );
+    let scene = builder.scene();
+    let solution = scene::Solution::dark(&scene);
+    scene::file::save(&folder.path().join("dark"), &scene, Some(&solution)).unwrap();
+    for output in [
+        "--out a.png --size 64x48 --eye 0,0,4 --look-at 0,0,0",
+        "--export a.csv",
+    ] {
+        let [_, err] = run(folder.path(), &format!("dark {output}"), 0);
+        assert!(
+            err.starts_with("display: note: dark: nothing emits"),
+            "{err}"
+        );
+        assert_eq!(err.lines().count(), 1, "{err}");
+    }
+    let [_, err] = run(folder.path(), "dark --export a.obj", 0);
+    assert!(err.is_empty(), "{err}");
+}
+
+#[test]
 fn materials_that_no_export_has_written_are_not_replaced() {
     let folder = folder();
     let mtl = folder.path().join("a.mtl");

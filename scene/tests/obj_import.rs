@@ -263,6 +263,12 @@ fn points_and_lines_are_counted_and_not_drawn() {
     assert_eq!(model.surfaces.len(), 1);
     assert_eq!(model.report.points_and_lines_ignored, 4);
     assert_eq!(model.report.faces, 1);
+    // A face that is none is likely to be a mistake.
+    let warnings = model.report.warnings.join("\n");
+    assert!(
+        warnings.contains("1 of 2 faces have fewer than three corners (the first in line 8)"),
+        "{warnings}"
+    );
 }
 
 #[test]

@@ -88,8 +88,11 @@ impl Run<'_> {
         let most = self.settings.max_iterations;
         let is_enough = most.is_some_and(|most| had >= most);
         if is_enough && provenance.is_none_or(|provenance| provenance.sources.is_none()) {
-            let file = self.settings.input.display();
-            eprintln!("compute: nothing to do: {file} has had {had} iterations");
+            // Who asks for none wants the form factors.
+            if most != Some(0) {
+                let file = self.settings.input.display();
+                eprintln!("compute: nothing to do: {file} has had {had} iterations");
+            }
             // As it is: these settings have done nothing to it.
             let solution = solution.unwrap_or_else(|| self.start_from(scene, None));
             return Ok((Levels::Enough(solution), None));

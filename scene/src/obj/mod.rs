@@ -101,6 +101,14 @@ fn load_with(path: &Path, reflectance: Option<f32>) -> Result<ObjModel, ObjError
         points_and_lines_ignored: screened.points_and_lines,
         ..ImportReport::default()
     };
+    if screened.short_faces > 0 {
+        report.warnings.push(format!(
+            "{} of {} faces have fewer than three corners (the first in line {}); these are left out",
+            screened.short_faces,
+            report.faces + screened.short_faces,
+            screened.first_short_face
+        ));
+    }
     let folder = path.parent().unwrap_or(Path::new(""));
     let library = mtl::Library::load(folder, &screened.libraries, &mut report.warnings)?;
     let mut materials =

@@ -31,6 +31,9 @@ pub(super) struct Screened {
     pub used_materials: Vec<UsedMaterial>,
     pub faces_without_material: usize,
     pub points_and_lines: usize,
+    /// Faces of fewer than three corners, which are among these, and the line of the first.
+    pub short_faces: usize,
+    pub first_short_face: usize,
 }
 
 impl Screened {
@@ -253,6 +256,10 @@ impl Screener {
             1 | 2 => {
                 self.screened.elements.truncate(start);
                 self.screened.points_and_lines += 1;
+                if self.screened.short_faces == 0 {
+                    self.screened.first_short_face = line;
+                }
+                self.screened.short_faces += 1;
             }
             _ => {
                 self.screened.elements.push('\n');
