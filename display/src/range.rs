@@ -48,7 +48,12 @@ pub fn suiting(scene: &Scene, values: &[Rgb], mode: Mode) -> Range {
     if lights.is_empty() {
         lights = lit(true);
     }
-    let Some([low, high]) = percentiles(&mut lights, [DARKEST, 1.0 - BRIGHTEST]) else {
+    let Some([high]) = percentiles(&mut lights, [1.0 - BRIGHTEST]) else {
+        return DARK;
+    };
+    // What only stray light reaches, as behind and below things, is no part of the picture.
+    lights.retain(|&(light, _)| light >= high / MAX_FALSE_COLOR_CONTRAST);
+    let Some([low]) = percentiles(&mut lights, [DARKEST]) else {
         return DARK;
     };
     let most = if mode == Mode::Log {
@@ -105,7 +110,43 @@ fn round(value: f64, direction: fn(f64) -> f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use glam::{DVec3, Vec3};
+    use scene::{Material, MaterialId, ObjectId, Surface};
+
     use super::*;
+
+    /// Patches of equal area, of which one in ten is behind things and sees next to nothing.
+    #[test]
+    fn hidden_patches_do_not_widen_the_range() {
+        let grey = Material {
+            name: "grey".into(),
+            reflectance: Rgb::splat(0.5),
+            emission: Rgb::ZERO,
+        };
+        let wall = Surface {
+            corners: [Vec3::ZERO, Vec3::X, Vec3::Y],
+            material: MaterialId(0),
+            object: ObjectId(0),
+        };
+        let scene = Scene::new(
+            vec![grey],
+            vec!["wall".into()],
+            vec![wall; 200],
+            &[0; 200],
+            DVec3::ZERO,
+        );
+        let scene = scene.unwrap();
+        let lit = |k: usize| Rgb::splat(1.0 + k as f32 / 10.0);
+        let of = |stray: f32| -> Vec<Rgb> {
+            let value = |k: usize| if k < 20 { Rgb::splat(stray) } else { lit(k) };
+            (0..200).map(value).collect()
+        };
+        for mode in [Mode::Log, Mode::FalseColor] {
+            let dark = suiting(&scene, &of(0.0), mode);
+            let stray = suiting(&scene, &of(1e-9), mode);
+            assert_eq!((dark.low, dark.high), (stray.low, stray.high), "{mode:?}");
+        }
+    }
 
     #[test]
     fn percentiles_weigh_by_area() {
