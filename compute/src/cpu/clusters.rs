@@ -14,6 +14,7 @@ mod tests;
 use std::ops::Range;
 
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 use scene::SurfaceId;
 
 use super::regions::{Region, Regions};
@@ -110,16 +111,21 @@ pub(super) struct Clusters {
 impl Clusters {
     /// Clusters of all regions.
     pub fn new(regions: &Regions) -> Self {
+        let items: Vec<Item> = (0..regions.regions().len() as u32)
+            .into_par_iter()
+            .map(|region| Item::new(regions, region))
+            .collect();
         let mut clusters = Self::default();
         for kind in [Kind::Triangles, Kind::Polygons, Kind::Others] {
-            let mut items: Vec<Item> = (0..)
-                .zip(regions.regions())
-                .filter(|(_, region)| kind_of(regions, region) == kind)
-                .map(|(id, region)| Item::new(regions, id, region))
-                .collect();
+            let of_kind = items.iter().filter(|item| item.kind == kind);
+            let mut items: Vec<Item> = of_kind.copied().collect();
             sort(&mut items);
-            for items in items.chunks(REGIONS) {
-                clusters.push(regions, kind, items);
+            let parts: Vec<Part> = items
+                .par_chunks(REGIONS)
+                .map(|items| Part::new(regions, kind, items))
+                .collect();
+            for part in parts {
+                clusters.push(part);
             }
         }
         clusters.groups = clusters.all.chunks(CLUSTERS).map(bounds_of).collect();
@@ -147,29 +153,47 @@ impl Clusters {
         self.vertices.each_ref().map(|axis| &axis[part.clone()])
     }
 
-    fn push(&mut self, regions: &Regions, kind: Kind, items: &[Item]) {
+    fn push(&mut self, mut part: Part) {
+        let of_clusters = |range: &mut Range<u32>, before: usize| {
+            *range = range.start + before as u32..range.end + before as u32;
+        };
+        of_clusters(&mut part.cluster.regions, self.regions.len());
+        of_clusters(&mut part.cluster.vertices, self.vertices[0].len());
+        self.all.push(part.cluster);
+        self.regions.extend(part.regions);
+        self.surfaces.extend(part.surfaces);
+        self.corners.extend(part.corners);
+        for (all, axis) in self.vertices.iter_mut().zip(part.vertices) {
+            all.extend(axis);
+        }
+    }
+}
+
+/// One cluster, whose places count from 0, and what the lists of all hold of it.
+struct Part {
+    cluster: Cluster,
+    regions: Vec<u32>,
+    surfaces: Vec<SurfaceId>,
+    corners: Vec<[u8; 4]>,
+    vertices: [Vec<f32>; 3],
+}
+
+impl Part {
+    fn new(regions: &Regions, kind: Kind, items: &[Item]) -> Self {
         let low = items.iter().fold(Vec3::MAX, |low, item| low.min(item.low));
         let high = items
             .iter()
             .fold(Vec3::MIN, |high, item| high.max(item.high));
-        let mut cluster = Cluster {
-            bounds: Bounds::new(low.as_dvec3(), high.as_dvec3()),
-            longest: 0.0,
-            kind,
-            regions: self.regions.len() as u32..(self.regions.len() + items.len()) as u32,
-            vertices: 0..0,
-        };
-        let mut known = Vec::new();
-        for item in items {
-            self.regions.push(item.region);
-            self.surfaces
-                .push(regions.regions()[item.region as usize].surfaces[0]);
-            let mut numbers = [0; 4];
-            if kind != Kind::Others {
+        let mut longest: f32 = 0.0;
+        let mut corners = vec![[0; 4]; items.len()];
+        // Of all vertices.
+        let mut known: Vec<u32> = Vec::new();
+        if kind != Kind::Others {
+            for (item, numbers) in items.iter().zip(&mut corners) {
                 let region = &regions.regions()[item.region as usize];
-                let corners = regions.corners(region.pieces.start as usize);
+                let polygon = regions.corners(region.pieces.start as usize);
                 for (k, number) in numbers.iter_mut().enumerate() {
-                    let vertex = corners[k.min(corners.len() - 1)];
+                    let vertex = polygon[k.min(polygon.len() - 1)];
                     let place = known.iter().position(|&other| other == vertex);
                     *number = place.unwrap_or(known.len()) as u8;
                     if place.is_none() {
@@ -177,22 +201,33 @@ impl Clusters {
                     }
                 }
                 if kind == Kind::Triangles {
-                    let [a, b, c] = [0, 1, 2].map(|k| regions.vertices()[corners[k] as usize]);
-                    let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
-                    cluster.longest = cluster.longest.max(longest);
+                    let [a, b, c] = [0, 1, 2].map(|k| regions.vertices()[polygon[k] as usize]);
+                    longest = longest
+                        .max(a.distance(b))
+                        .max(b.distance(c))
+                        .max(c.distance(a));
                 }
             }
-            self.corners.push(numbers);
         }
-        let first = self.vertices[0].len();
-        for k in 0..known.len().next_multiple_of(LANES) {
-            let vertex = regions.vertices()[known[k.min(known.len() - 1)] as usize];
-            for (axis, value) in self.vertices.iter_mut().zip(vertex.to_array()) {
-                axis.push(value);
-            }
+        let count = known.len().next_multiple_of(LANES);
+        let vertex = |k: usize| regions.vertices()[known[k.min(known.len() - 1)] as usize];
+        let axis = |axis: usize| (0..count).map(|k| vertex(k)[axis]).collect();
+        Self {
+            cluster: Cluster {
+                bounds: Bounds::new(low.as_dvec3(), high.as_dvec3()),
+                longest,
+                kind,
+                regions: 0..items.len() as u32,
+                vertices: 0..count as u32,
+            },
+            regions: items.iter().map(|item| item.region).collect(),
+            surfaces: items
+                .iter()
+                .map(|item| regions.regions()[item.region as usize].surfaces[0])
+                .collect(),
+            corners,
+            vertices: [axis(0), axis(1), axis(2)],
         }
-        cluster.vertices = first as u32..self.vertices[0].len() as u32;
-        self.all.push(cluster);
     }
 }
 
@@ -219,14 +254,17 @@ fn kind_of(regions: &Regions, region: &Region) -> Kind {
 #[derive(Clone, Copy, Debug)]
 struct Item {
     region: u32,
+    kind: Kind,
     low: Vec3,
     high: Vec3,
 }
 
 impl Item {
-    fn new(regions: &Regions, id: u32, region: &Region) -> Self {
+    fn new(regions: &Regions, id: u32) -> Self {
+        let region = &regions.regions()[id as usize];
         let mut item = Self {
             region: id,
+            kind: kind_of(regions, region),
             low: Vec3::MAX,
             high: Vec3::MIN,
         };

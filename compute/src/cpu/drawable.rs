@@ -130,12 +130,22 @@ impl<'a> Drawable<'a> {
         Self {
             scene,
             locators: Locators::new(&regions),
-            clusters: has_specks.then(|| Clusters::new(&regions)),
+            clusters: {
+                let t = std::time::Instant::now();
+                let c = has_specks.then(|| Clusters::new(&regions));
+                eprintln!("CL {:?}", t.elapsed());
+                c
+            },
             vertices: [axis(0), axis(1), axis(2)],
             facts,
             trees,
             plane_tolerance,
-            hierarchy: has_rays.then(|| Hierarchy::new(&regions, margin)),
+            hierarchy: {
+                let t = std::time::Instant::now();
+                let c = has_rays.then(|| Hierarchy::new(&regions, margin));
+                eprintln!("HI {:?}", t.elapsed());
+                c
+            },
             dense,
             regions,
         }
