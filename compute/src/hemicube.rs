@@ -38,7 +38,7 @@ pub struct Frame {
     pub tangent: DVec3,
     /// normal x tangent.
     pub bitangent: DVec3,
-    /// Unit normal of the patch.
+    /// Unit normal of the patch, or of the wall that it is part of.
     pub normal: DVec3,
 }
 

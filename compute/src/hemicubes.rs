@@ -118,7 +118,8 @@ impl<'a> Hemicubes<'a> {
             receivers,
             drawable: Arc::clone(sources),
             settings,
-            firsts: (settings.points == Points::Auto).then(|| point_count::firsts(receivers)),
+            firsts: (settings.points == Points::Auto)
+                .then(|| point_count::firsts(receivers, sources)),
             delta_form_factors: BTreeMap::new(),
         };
         let mut counts: Vec<u32> = match &hemicubes.firsts {

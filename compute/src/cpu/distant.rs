@@ -23,7 +23,8 @@ use super::projection::Projection;
 use super::tried::{MOST_PIXELS, Picture, ROOM, Tried, held};
 use crate::hemicube::{Frame, Window};
 
-/// The longest side of a distant cluster's triangles, in pixels where these are largest. Tuned on `benches/dense.rs`.
+/// The longest side of a distant cluster's triangles, in pixels in the middle of a face's sides; in its middle that
+/// is half as many. Tuned on `benches/dense.rs`.
 const LONGEST: f64 = 4.0;
 
 /// A distant cluster is this many times as far away as its farthest corner is from its middle: so much that all of it
@@ -31,7 +32,7 @@ const LONGEST: f64 = 4.0;
 /// follows from [`may_be_in`] and from its not being below the horizon.
 const FAR: f64 = 4.0;
 
-/// Inverse depths are this much less than those that they are compared with, relative, if not for rounding.
+/// The nearest inverse depth of a box is raised by this factor before it is compared, for rounding.
 const CLEARLY_FARTHER: f64 = 1.0 + 1e-5;
 
 /// A cluster, by how far away its group is.

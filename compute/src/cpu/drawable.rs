@@ -130,22 +130,12 @@ impl<'a> Drawable<'a> {
         Self {
             scene,
             locators: Locators::new(&regions),
-            clusters: {
-                let t = std::time::Instant::now();
-                let c = has_specks.then(|| Clusters::new(&regions));
-                eprintln!("CL {:?}", t.elapsed());
-                c
-            },
+            clusters: has_specks.then(|| Clusters::new(&regions)),
             vertices: [axis(0), axis(1), axis(2)],
             facts,
             trees,
             plane_tolerance,
-            hierarchy: {
-                let t = std::time::Instant::now();
-                let c = has_rays.then(|| Hierarchy::new(&regions, margin));
-                eprintln!("HI {:?}", t.elapsed());
-                c
-            },
+            hierarchy: has_rays.then(|| Hierarchy::new(&regions, margin)),
             dense,
             regions,
         }

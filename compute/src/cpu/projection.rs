@@ -12,9 +12,9 @@
 //! see [`scene::bisection`]. What holds of a triangle's edges holds of those of any convex polygon.
 //!
 //! # Practice
-//! The vectors are f64. Two pieces that share an edge have the same vector for it, with opposite
-//! signs, so that no pixel between them is missed. Vertices are turned into the frame once for all pieces, and those
-//! that are outside of a face of a hemicube are told by bits ([`outside`]).
+//! The vectors are f64. Two pieces that share an edge have the same vector for it, with opposite signs, so that no
+//! pixel between them is missed. Vertices are turned into the frame once for all pieces, or for those of some
+//! regions, and the ones that are outside of a face of a hemicube are told by bits ([`outside`]).
 
 // Functions that a vectorised caller needs must be inlined into it: compiled on their own they would
 // be for the baseline instruction set.
@@ -149,8 +149,8 @@ impl<'a> Projection<'a> {
         }
     }
 
-    /// The same as [`Self::set`] for drawing into a few windows: where pieces are many and small compared to `pixels`, those
-    /// of all these windows, nothing is set up, and rays are cast when a window is drawn.
+    /// The same as [`Self::set`] for drawing into a few windows: where pieces are many and small compared to
+    /// `pixels`, those of all these windows, nothing is set up, and rays are cast when a window is drawn.
     pub fn set_for(
         &mut self,
         pixels: usize,
@@ -160,7 +160,6 @@ impl<'a> Projection<'a> {
         cull: Cull,
     ) {
         if !self.drawable.casts(pixels, false) {
-            self.casting = None;
             return self.set(frame, own, horizon, cull);
         }
         self.start(frame);
@@ -179,7 +178,6 @@ impl<'a> Projection<'a> {
         let Some(clusters) = specks.filter(|_| !drawable.casts(pixels, true)) else {
             return self.set_for(pixels, frame, Some(own), true, Cull::Nothing);
         };
-        self.casting = None;
         self.start(frame);
         let own = drawable.region_of(own);
         self.own = Some(own);
@@ -303,6 +301,8 @@ impl<'a> Projection<'a> {
 
     fn start(&mut self, frame: &Frame) {
         self.frame = *frame;
+        self.casting = None;
+        self.own = None;
         self.specks.clear();
         self.pieces.clear();
         self.corners.clear();

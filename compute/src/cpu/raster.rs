@@ -67,7 +67,7 @@ pub struct Raster {
     window: Option<Window>,
     /// 1/w, 1/m; `width + PADDING` a row.
     inverse_depth: Vec<f32>,
-    /// Index into the projection's pieces, or [`NONE`]; `width + PADDING` a row.
+    /// Index into the projection's pieces, [`NONE`], or a speck ([`super::tried`]); `width + PADDING` a row.
     pieces: Vec<u32>,
     coarse: CoarseDepth,
     spans: Spans,
@@ -94,8 +94,9 @@ impl Raster {
         self.draw_inside(projection, window, 0);
     }
 
-    /// Draws a projection that is [`set_for`](Projection::set_for) this window, among others, or casts rays for
-    /// it. If the window is that of a hemicube's face ([`crate::hemicube::windows`]), `face` is its number.
+    /// Draws a projection that is [`set_for`](Projection::set_for) this window, among others, or casts rays for it;
+    /// or one that is [`set_for_hemicube`](Projection::set_for_hemicube). If the window is that of a hemicube's face
+    /// ([`crate::hemicube::windows`]), `face` is its number; the face's specks are drawn too.
     pub fn draw_or_cast(
         &mut self,
         projection: &mut Projection,
@@ -169,8 +170,8 @@ impl Raster {
         self.look_up_rows(projection, None, nothing, back_face, take);
     }
 
-    /// Hands out the runs of pixels that see the same patch of some regions, ascending: patch, row, pixels. What else is
-    /// seen costs no look-up.
+    /// Hands out the runs of pixels that see the same patch of some regions, ascending: patch, row, pixels. What else
+    /// is seen costs no look-up.
     pub fn for_each_run_of(
         &mut self,
         projection: &Projection,
@@ -223,14 +224,15 @@ impl Raster {
         }
     }
 
-    /// What pixel (i, j) of the last picture sees.
+    /// What pixel (i, j) of the last picture sees, drawn of a projection that is [`set`](Projection::set): of what
+    /// rays meet and of specks no more than the patches is known.
     pub fn sample(&self, projection: &Projection, i: usize, j: usize) -> Sample {
         let mut sample = Sample::Nothing;
         self.for_each_sample(projection, j, i..i + 1, |_, seen| sample = seen);
         sample
     }
 
-    /// Hands out what some pixels i of row j of the last picture see.
+    /// Hands out what some pixels i of row j of the last picture see, of which the same holds.
     pub fn for_each_sample(
         &self,
         projection: &Projection,

@@ -2,9 +2,10 @@
 //!
 //! # Theory
 //! Where triangles are as many as pixels, most of them hold no pixel's centre, and to set one up for drawing, edge by
-//! edge, costs more than all its pixels. Vertices know their places in the hemicube's faces, so three look-ups
-//! and a few comparisons tell that a triangle lies between the centres, or which few it may hold. Those are
-//! tried one by one, by the same products by which pieces are drawn ([`super::projection`]): the picture is the same.
+//! edge, costs more than all its pixels. Vertices know their places in the hemicube's faces, so three look-ups and a
+//! few comparisons tell that a triangle lies between the centres, or which few it may hold. Those are tried one by
+//! one, by the same products by which pieces are drawn ([`super::projection`]): the picture is the same but for
+//! pixels on edges.
 //!
 //! # Practice
 //! Only triangles that are regions by themselves and all in one face count as specks; others are drawn. They are
@@ -278,6 +279,7 @@ pub(super) fn draw<S: Simd>(
             let pixel = pixels.trailing_zeros();
             pixels &= pixels - 1;
             let (i, j) = (left + pixel % columns, bottom + pixel / columns);
+            // Half of an odd resolution is less than what the face is high.
             if j < window.height as u32 && tried.add(region, [i, j], corners) {
                 tried.draw(simd, projection, picture);
             }

@@ -204,7 +204,7 @@ impl Tried {
             };
             let (ab, bc, ca) = (a.cross(b), b.cross(c), c.cross(a));
             // The normal, as long as twice the area, and the eye's distance from the plane times that.
-            let normal = ab.plus(bc).plus(ca);
+            let normal = b.minus(a).cross(c.minus(a));
             let distance = normal.dot(a);
             let is_back_face = distance.simd_gt(zero);
             let retreats = is_back_face.select(zero + retreat(true), zero + retreat(false));

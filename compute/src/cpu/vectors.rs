@@ -55,11 +55,11 @@ impl<S: Simd> Vectors<S> {
     }
 
     #[inline(always)]
-    pub fn plus(self, v: Self) -> Self {
+    pub fn minus(self, v: Self) -> Self {
         Self {
-            x: self.x + v.x,
-            y: self.y + v.y,
-            z: self.z + v.z,
+            x: self.x - v.x,
+            y: self.y - v.y,
+            z: self.z - v.z,
         }
     }
 

@@ -29,7 +29,7 @@ use rayon::prelude::*;
 use scene::{PatchId, Scene, Surface, SurfaceId};
 
 use super::Rule;
-use crate::cpu::{COORDINATE_ULPS, is_in_plane, plane_tolerance, reach};
+use crate::cpu::{COORDINATE_ULPS, Drawable, is_in_plane, plane_tolerance, reach};
 use crate::hemicube::Frame;
 use crate::polygon_form_factor::point_to_triangle;
 use crate::sphere::{Sphere, Spheres};
@@ -67,8 +67,8 @@ pub(super) fn rule(count: u32) -> Rule {
 }
 
 /// The number of each patch's first hemicube, then the number of all.
-pub(super) fn firsts(scene: &Scene) -> Vec<u32> {
-    let surroundings = Surroundings::new(scene);
+pub(super) fn firsts(scene: &Scene, drawable: &Drawable) -> Vec<u32> {
+    let surroundings = Surroundings::new(scene, drawable);
     let counts: Vec<u32> = (0..scene.patch_count())
         .into_par_iter()
         .map(|patch| surroundings.rule(PatchId(patch)).count())
@@ -87,6 +87,8 @@ pub(super) fn firsts(scene: &Scene) -> Vec<u32> {
 /// What patches have around them.
 struct Surroundings<'a> {
     scene: &'a Scene,
+    /// Of the same surfaces.
+    drawable: &'a Drawable<'a>,
     spheres: Spheres,
     /// One per surface.
     facts: Vec<Facts>,
@@ -134,9 +136,10 @@ impl Facts {
 }
 
 impl<'a> Surroundings<'a> {
-    fn new(scene: &'a Scene) -> Self {
+    fn new(scene: &'a Scene, drawable: &'a Drawable<'a>) -> Self {
         Self {
             scene,
+            drawable,
             spheres: Spheres::new(scene.surfaces()),
             facts: scene
                 .surfaces()
@@ -150,7 +153,7 @@ impl<'a> Surroundings<'a> {
     /// The rule that a patch needs.
     fn rule(&self, patch: PatchId) -> Rule {
         let geometry = self.scene.patch(patch);
-        let normal = self.scene.surface(geometry.surface).normal();
+        let normal = self.drawable.normal_of(geometry.surface);
         let corners = geometry.corners.map(Vec3::as_dvec3);
         let centroid = geometry.centroid();
         let radius = corners

@@ -26,6 +26,9 @@ pub(super) struct Lamp {
 /// The most work to find out whether a body is convex: its surfaces times its corners.
 const MOST_CONVEXITY_TESTS: usize = 1 << 28;
 
+/// Groups at a corner that its other surfaces are compared with.
+const MOST_APART: usize = 64;
+
 /// The lamps of a scene, in the order of their first surfaces.
 pub(super) fn lamps(drawable: &Drawable) -> Vec<Lamp> {
     let scene = drawable.scene();
@@ -33,16 +36,13 @@ pub(super) fn lamps(drawable: &Drawable) -> Vec<Lamp> {
         .map(SurfaceId)
         .filter(|&id| scene.material(scene.surface(id).material).is_emitter())
         .collect();
-    let tolerance = drawable.plane_tolerance();
     let alike = |a: SurfaceId, b: SurfaceId| scene.surface(a).material == scene.surface(b).material;
     let mut groups: Vec<Vec<SurfaceId>> = Vec::new();
     for body in touching(scene, &emitters, alike) {
-        if is_convex(scene, &body, tolerance) {
+        if is_convex(drawable, &body) {
             groups.push(body);
         } else {
-            groups.extend(touching(scene, &body, |a, b| {
-                is_one_plane(scene, a, b, tolerance)
-            }));
+            groups.extend(touching(scene, &body, |a, b| is_one_plane(drawable, a, b)));
         }
     }
     groups.sort_unstable_by_key(|surfaces| surfaces[0]);
@@ -111,11 +111,15 @@ fn touching(
     for same in by_corner.chunk_by(|a, b| a.0 == b.0) {
         apart.clear();
         for &(_, k) in same {
-            let joined = |&&j: &&usize| may_join(surfaces[j], surfaces[k]);
-            if let Some(&j) = apart.iter().find(joined) {
-                let (a, b) = (root(&mut first, j), root(&mut first, k));
-                first[a.max(b)] = a.min(b);
-            } else {
+            let mut is_apart = true;
+            for &j in apart.iter().take(MOST_APART) {
+                if may_join(surfaces[j], surfaces[k]) {
+                    let (a, b) = (root(&mut first, j), root(&mut first, k));
+                    first[a.max(b)] = a.min(b);
+                    is_apart = false;
+                }
+            }
+            if is_apart {
                 apart.push(k);
             }
         }
@@ -140,7 +144,8 @@ fn corner_bits(scene: &Scene, id: SurfaceId) -> [[u32; 3]; 3] {
 }
 
 /// True where no surface has a part of the others in front of it, so that none hides another.
-fn is_convex(scene: &Scene, surfaces: &[SurfaceId], tolerance: f64) -> bool {
+fn is_convex(drawable: &Drawable, surfaces: &[SurfaceId]) -> bool {
+    let (scene, tolerance) = (drawable.scene(), drawable.plane_tolerance());
     let mut corners: Vec<[u32; 3]> = surfaces
         .iter()
         .flat_map(|&id| corner_bits(scene, id))
@@ -154,7 +159,7 @@ fn is_convex(scene: &Scene, surfaces: &[SurfaceId], tolerance: f64) -> bool {
     surfaces.len() * corners.len() <= MOST_CONVEXITY_TESTS
         && surfaces.iter().all(|&id| {
             let surface = scene.surface(id);
-            let (normal, through) = (surface.normal(), surface.corners[0].as_dvec3());
+            let (normal, through) = (drawable.normal_of(id), surface.corners[0].as_dvec3());
             let reach = reach(surface);
             corners.iter().all(|&p| {
                 let height = (p - through).dot(normal);
@@ -163,14 +168,18 @@ fn is_convex(scene: &Scene, surfaces: &[SurfaceId], tolerance: f64) -> bool {
         })
 }
 
-/// True where two surfaces lie in one plane, face the same way, and emit alike.
-fn is_one_plane(scene: &Scene, a: SurfaceId, b: SurfaceId, tolerance: f64) -> bool {
+/// True where two surfaces lie in one plane, face the same way, and emit alike. What is drawn together does.
+fn is_one_plane(drawable: &Drawable, a: SurfaceId, b: SurfaceId) -> bool {
+    if drawable.region_of(a) == drawable.region_of(b) {
+        return true;
+    }
+    let (scene, tolerance) = (drawable.scene(), drawable.plane_tolerance());
+    let (normal, other_normal) = (drawable.normal_of(a), drawable.normal_of(b));
     let (a, b) = (scene.surface(a), scene.surface(b));
-    let normal = a.normal();
     let through = a.corners[0].as_dvec3();
     let reach = reach(a).max(reach(b));
     a.material == b.material
-        && normal.dot(b.normal()) > 0.0
+        && normal.dot(other_normal) > 0.0
         && b.corners.iter().all(|p| {
             let height = (p.as_dvec3() - through).dot(normal).abs();
             is_in_plane(height, tolerance, normal, reach)

@@ -91,7 +91,7 @@ proptest! {
     #[test]
     fn hidden_is_what_is_behind_all_pixels_of_its_blocks(
         [width, height] in prop::array::uniform2(1..40_usize),
-        near in prop::collection::vec((0..40_usize, 0..40_usize), 0..40),
+        far in prop::collection::vec((0..40_usize, 0..40_usize), 0..40),
         columns in (0..40_usize, 1..40_usize),
         rows in (0..40_usize, 1..40_usize),
         nearest in prop::sample::select(vec![0.5_f32, 1.0, 1.5]),
@@ -125,7 +125,7 @@ proptest! {
         prop_assert_eq!(before, is_hidden);
         for j in 0..height {
             for i in 0..width {
-                let is_far = near.contains(&(i, j));
+                let is_far = far.contains(&(i, j));
                 inverse_depth[j * (width + PADDING) + i] = if is_far { 1.0 } else { 2.0 };
             }
         }

@@ -1,5 +1,6 @@
 //! What lamps are found.
 
+use glam::{EulerRot, Quat};
 use scene::{Material, MaterialId, ObjectId, Rgb, Surface};
 
 use super::*;
@@ -48,6 +49,24 @@ fn lamps_do_not_depend_on_the_order_of_surfaces() {
                 panic!("{lamp:?} is no square");
             };
             assert_eq!(scene.surface(a).normal(), scene.surface(b).normal());
+        }
+    }
+}
+
+/// The normal of the sliver alone is far off, since its corners are rounded.
+#[test]
+fn a_sliver_is_part_of_its_lamp_in_any_order() {
+    for k in 0..20 {
+        let angle = |step: f32| step * k as f32;
+        let turn = Quat::from_euler(EulerRot::XYZ, angle(0.7), angle(1.9), angle(0.3));
+        let at = |x: f32, y: f32| turn * Vec3::new(x, y, 0.0) + Vec3::new(3.0, 5.0, 8.0);
+        let wide = [at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0)];
+        let sliver = [at(0.0, 0.0), at(0.4, -1e-3), at(1.0, 0.0)];
+        for corners in [[wide, sliver], [sliver, wide]] {
+            let scene = scene(corners.into_iter());
+            let lamps = lamps(&Drawable::new(&scene));
+            assert_eq!(lamps.len(), 1, "{k}: {lamps:?}");
+            assert_eq!(lamps[0].surfaces.len(), 2, "{k}: {lamps:?}");
         }
     }
 }
