@@ -404,7 +404,7 @@ impl Report {
             format!(", estimated error {:.1e}", convergence.estimated_error)
         });
         let end = if self.not_converged().is_some() {
-            "within the tolerance, but not converged"
+            "converged to the tolerance, but not to the solution"
         } else {
             self.stopped_by.describe()
         };

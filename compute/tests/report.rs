@@ -261,9 +261,9 @@ fn what_a_run_has_not_drawn_is_null_in_its_report() {
     assert!(numbers(&report["energy"]["absorbed_w"])[0] > 0.0);
 }
 
-/// Next to reflectance 1 radiosities hardly change long before they are right; the summary does not call that converged.
+/// Next to reflectance 1 radiosities hardly change long before they are right; the summary says so.
 #[test]
-fn summary_tells_what_is_within_the_tolerance_and_not_converged() {
+fn summary_tells_what_is_within_the_tolerance_and_far_from_the_solution() {
     let folder = folder();
     for (reflectance, is_converged) in [(0.5, true), (0.9995, false)] {
         let materials = vec![common::material(reflectance, 1.0)];
@@ -278,12 +278,8 @@ fn summary_tells_what_is_within_the_tolerance_and_not_converged() {
             &["in.rad", "out.rad", "8", "--tolerance", "1e-3"],
         );
         let said = stdout(&said);
-        assert_eq!(
-            said.contains("converged to the tolerance"),
-            is_converged,
-            "{said}"
-        );
-        let says_not = said.contains("within the tolerance, but not converged");
+        assert!(said.contains("converged to the tolerance"), "{said}");
+        let says_not = said.contains(", but not to the solution");
         assert_eq!(says_not, !is_converged, "{said}");
     }
 }
