@@ -11,8 +11,8 @@ use crate::cpu::test_scenes::{Triangle, bumpy_sphere, scene};
 use crate::hemicubes::Hemicubes;
 use crate::settings::{FormFactorSettings, Points};
 
-/// Seen from its own outside, a ball is behind the horizon, but for some bumps; nothing is set up of what is in
-/// clusters that are all behind it, and hardly more than what is above it.
+/// Seen from its own outside, a ball is behind the horizon, but for some bumps. Nothing is set up of what is in
+/// clusters that are all behind it; of one at the horizon, of which all may be, half is above.
 #[test]
 fn clusters_behind_the_horizon_cost_nothing() {
     let outwards = |[a, b, c]: Triangle| [a, c, b];
