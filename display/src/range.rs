@@ -2,7 +2,7 @@
 //!
 //! Lamps are orders of magnitude brighter than what they light, and a few patches in corners orders
 //! darker. So the range runs between two percentiles, by area, of the luminances of the patches
-//! that reflect only; lamps may clip to white.
+//! that reflect only; lamps may clip to white, and what only stray light reaches does not count.
 
 use scene::{Rgb, Scene};
 

@@ -74,8 +74,8 @@ pub(super) struct RegionFacts {
     pub reach: DVec3,
 }
 
-/// The bisection tree of a region's one surface; unused where there are more. Apart from the facts, for pixels that see
-/// specks ask for nothing else.
+/// The bisection tree of a region's one surface; unused where there are more. Kept apart from the facts, since pixels
+/// that see specks ask for nothing else.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RegionTree {
     pub first_patch: u32,

@@ -21,7 +21,7 @@ use fearless_simd::{Simd, f32x4, f32x8, prelude::*, u32x8};
 
 use super::drawable::Drawable;
 use super::look_up::{AlongRow, LOOK_UP_LANES, at, leaf_codes};
-use super::projection::OverPixels;
+use super::over_pixels::OverPixels;
 use super::regions::{LEAF, Locator, Node, Regions, STEEP, Tree};
 
 /// Share of the cells' area that may be left after the rounds that all pixels go through: it is looked up one pixel

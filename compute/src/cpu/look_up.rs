@@ -19,7 +19,8 @@ use fearless_simd_macros::simd;
 use scene::bisection::leaf_code;
 
 use super::locate::{Located, Points};
-use super::projection::{OverPixels, Projection, over_pixels};
+use super::over_pixels::{OverPixels, over_pixels};
+use super::projection::Projection;
 use super::raster::NONE;
 use super::runs::for_each_run;
 use super::tried::{SPECK, SPECK_BACK, SPECK_REGION};

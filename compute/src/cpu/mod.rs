@@ -11,6 +11,7 @@ pub mod item_buffer;
 mod locate;
 mod look_up;
 mod outside;
+mod over_pixels;
 mod projection;
 mod raster;
 pub mod regions;

@@ -32,7 +32,7 @@ use super::horizon::Horizon;
 use super::outside;
 use super::rounding::{is_in_plane, margin};
 use super::specks::{self, Specks};
-use crate::hemicube::{Frame, Window, pixel_count};
+use crate::hemicube::{Frame, pixel_count};
 
 /// Back faces are drawn this much too deep, so that a pixel on the silhouette of a solid, where a
 /// front and a back face meet at equal depth, sees the front: well above the rounding of an f32
@@ -492,17 +492,4 @@ fn to_local<S: Simd>(
     for k in 0..count {
         outside[k] = outside::bits(to_x[k], to_y[k], to_z[k]);
     }
-}
-
-/// A value that is linear over a window's pixels: its coefficients of i, of j and of 1.
-pub(super) type OverPixels = [f64; 3];
-
-/// The value v . d, linear over the pixels' centres, as the coefficients of i, of j and of 1.
-#[inline(always)]
-pub(super) fn over_pixels(v: DVec3, window: &Window) -> OverPixels {
-    let (x, y) = (v.dot(window.right), v.dot(window.up));
-    let c = v.dot(window.forward)
-        + x * (window.left + 0.5 * window.pixel)
-        + y * (window.bottom + 0.5 * window.pixel);
-    [x * window.pixel, y * window.pixel, c]
 }

@@ -17,7 +17,7 @@ use std::ops::Range;
 use fearless_simd::{Simd, prelude::*, u32x8};
 
 use super::look_up::{LOOK_UP_LANES, Tree, look_up_tree};
-use super::projection::OverPixels;
+use super::over_pixels::OverPixels;
 use super::regions::{Locator, Member, NO_MEMBER};
 
 /// A region's member in a picture.

@@ -26,7 +26,7 @@ pub(super) struct Lamp {
 /// The most work to find out whether a body is convex: its surfaces times its corners.
 const MOST_CONVEXITY_TESTS: usize = 1 << 28;
 
-/// Groups at a corner that its other surfaces are compared with.
+/// Groups at a corner that its other surfaces are compared with: at the tip of a cone each is one of its own.
 const MOST_APART: usize = 64;
 
 /// The lamps of a scene, in the order of their first surfaces.

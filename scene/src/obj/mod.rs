@@ -101,12 +101,11 @@ fn load_with(path: &Path, reflectance: Option<f32>) -> Result<ObjModel, ObjError
         points_and_lines_ignored: screened.points_and_lines,
         ..ImportReport::default()
     };
-    if screened.short_faces > 0 {
+    if let Some(line) = screened.first_short_face {
         report.warnings.push(format!(
-            "{} of {} faces have fewer than three corners (the first in line {}); these are left out",
+            "{} of {} faces have fewer than three corners (the first in line {line}); these are left out",
             screened.short_faces,
             report.faces + screened.short_faces,
-            screened.first_short_face
         ));
     }
     let folder = path.parent().unwrap_or(Path::new(""));

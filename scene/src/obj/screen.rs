@@ -31,9 +31,10 @@ pub(super) struct Screened {
     pub used_materials: Vec<UsedMaterial>,
     pub faces_without_material: usize,
     pub points_and_lines: usize,
-    /// Faces of fewer than three corners, which are among these, and the line of the first.
+    /// Faces of fewer than three corners, which are among these.
     pub short_faces: usize,
-    pub first_short_face: usize,
+    /// The line of the first of them.
+    pub first_short_face: Option<usize>,
 }
 
 impl Screened {
@@ -256,10 +257,8 @@ impl Screener {
             1 | 2 => {
                 self.screened.elements.truncate(start);
                 self.screened.points_and_lines += 1;
-                if self.screened.short_faces == 0 {
-                    self.screened.first_short_face = line;
-                }
                 self.screened.short_faces += 1;
+                self.screened.first_short_face.get_or_insert(line);
             }
             _ => {
                 self.screened.elements.push('\n');
