@@ -246,26 +246,67 @@ pub(super) fn draw<S: Simd>(
             count += usize::from(is_near_centre);
         }
         for &k in &near_centres[..count] {
-            let [right, up, left, down] = *around(simd, places, corners[k]).as_array();
-            let corners = [0, 1, 2].map(|corner| usize::from(corners[k][corner]));
-            // Hardly ever more than one rectangle.
-            let most_columns = (right + left + 1).min(MOST_PIXELS);
-            let most_rows = MOST_PIXELS / most_columns;
-            for bottom in (-down..=up).step_by(most_rows as usize) {
-                for left in (-left..=right).step_by(most_columns as usize) {
-                    let columns = most_columns.min(right - left + 1);
-                    let rows = most_rows.min(up - bottom + 1);
-                    let x = corners.map(|corner| x[corner] - left as f32);
-                    let y = corners.map(|corner| y[corner] - bottom as f32);
-                    let mut pixels = held(simd, x, y, columns, rows);
-                    while pixels != 0 {
-                        let pixel = pixels.trailing_zeros() as i32;
-                        pixels &= pixels - 1;
-                        let at = [left + pixel % columns, bottom + pixel / columns];
-                        let of = |corner: usize| Vec3::from(vertices.map(|axis| axis[corner]));
-                        if tried.add(regions[k], at.map(|at| at as u32), corners.map(of)) {
-                            tried.draw(simd, projection, picture);
-                        }
+            let mut triangle = Triangle {
+                region: regions[k],
+                around: *around(simd, places, corners[k]).as_array(),
+                corners: [Vec3::ZERO; 3],
+                x: [0.0; 3],
+                y: [0.0; 3],
+            };
+            for (to, &from) in corners[k][..3].iter().enumerate() {
+                let from = usize::from(from);
+                triangle.corners[to] =
+                    Vec3::from_array([vertices[0][from], vertices[1][from], vertices[2][from]]);
+                triangle.x[to] = x[from];
+                triangle.y[to] = y[from];
+            }
+            triangle.draw(simd, projection, tried, picture);
+        }
+    }
+}
+
+/// A triangle that may hold pixels' centres.
+struct Triangle {
+    region: u32,
+    /// Metres.
+    corners: [Vec3; 3],
+    /// Its corners' places in pixels from the centre of the first one.
+    x: [f32; 3],
+    y: [f32; 3],
+    /// See [`around`].
+    around: [i32; 4],
+}
+
+impl Triangle {
+    /// Tries the pixels that it may hold the centres of.
+    #[inline(always)]
+    fn draw<S: Simd>(
+        &self,
+        simd: S,
+        projection: &Projection,
+        tried: &mut Tried,
+        picture: &mut Picture,
+    ) {
+        let [right, up, left, down] = self.around;
+        // Hardly ever more than one rectangle.
+        let most_columns = (right + left + 1).min(MOST_PIXELS);
+        let most_rows = MOST_PIXELS / most_columns;
+        for bottom in (-down..=up).step_by(most_rows as usize) {
+            for left in (-left..=right).step_by(most_columns as usize) {
+                let columns = most_columns.min(right - left + 1);
+                let rows = most_rows.min(up - bottom + 1);
+                let (mut x, mut y) = (self.x, self.y);
+                for k in 0..3 {
+                    x[k] -= left as f32;
+                    y[k] -= bottom as f32;
+                }
+                let mut pixels = held(simd, x, y, columns, rows);
+                while pixels != 0 {
+                    let pixel = pixels.trailing_zeros() as i32;
+                    pixels &= pixels - 1;
+                    let (i, j) = (left + pixel % columns, bottom + pixel / columns);
+                    if tried.add(self.region, [i as u32, j as u32], self.corners) {
+                        tried.draw(simd, projection, picture);
                     }
                 }
             }
