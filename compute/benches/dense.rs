@@ -10,11 +10,11 @@ mod scenes;
 use std::hint::black_box;
 use std::sync::Arc;
 
-use compute::cpu::item_buffer::{BACK_FACE, HemicubeDrawer, NOTHING};
 use compute::hemicubes::Hemicubes;
 use compute::settings::{FormFactorSettings, Points};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use scene::{PatchId, Scene};
+use visibility::item_buffer::{BACK_FACE, HemicubeDrawer, NOTHING};
 
 const RESOLUTION: u32 = 128;
 

@@ -7,15 +7,15 @@
 use std::hint::black_box;
 use std::sync::Arc;
 
-use compute::cpu::item_buffer::{BACK_FACE, HemicubeDrawer, NOTHING};
-use compute::cpu::rows::RowDrawer;
-use compute::cpu::{Projection, Raster};
-use compute::hemicube;
+use compute::cpu::RowDrawer;
 use compute::hemicubes::Hemicubes;
 use compute::settings::{FormFactorSettings, Points};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use genx::{Model, Settings};
 use scene::{PatchId, Scene};
+use visibility::hemicube::FACES;
+use visibility::item_buffer::{BACK_FACE, HemicubeDrawer, NOTHING};
+use visibility::{Canvas, Viewer};
 
 const RESOLUTION: u32 = 100;
 
@@ -77,30 +77,23 @@ fn look_ups(c: &mut Criterion, name: &str, scenes: &[Scene]) {
     let mut group = c.benchmark_group(format!("look_up_{HEMICUBES}x/{name}"));
     for scene in scenes {
         let hemicubes = one_a_patch(scene);
-        let mut drawn: Vec<(Projection, Vec<Raster>)> = patches(scene)
+        let mut drawn: Vec<(Viewer, [Canvas; FACES])> = patches(scene)
             .into_iter()
-            .map(|patch| {
-                let mut projection = Projection::new(hemicubes.drawable());
-                let (own, frame) = (hemicubes.surface_of(patch), hemicubes.frames(patch)[0]);
-                projection.set_for_hemicube(RESOLUTION, &frame, own);
-                let draw = |(face, window)| {
-                    let mut raster = Raster::default();
-                    raster.draw_or_cast(&mut projection, Some(face), window);
-                    raster
-                };
-                let windows = hemicube::windows(RESOLUTION);
-                let rasters = windows.iter().enumerate().map(draw).collect();
-                (projection, rasters)
-            })
+            .map(|_| (Viewer::new(hemicubes.drawable()), Default::default()))
             .collect();
+        let mut pictures = Vec::new();
+        for ((viewer, canvases), patch) in drawn.iter_mut().zip(patches(scene)) {
+            let (own, frame) = (hemicubes.surface_of(patch), hemicubes.frames(patch)[0]);
+            let hemicube = viewer.hemicube(RESOLUTION, &frame, own);
+            let faces = canvases.iter_mut().enumerate();
+            pictures.extend(faces.map(|(face, canvas)| canvas.draw_face(&hemicube, face)));
+        }
         group.bench_function(BenchmarkId::from_parameter(scene.patch_count()), |b| {
             b.iter(|| {
-                for (projection, rasters) in &mut drawn {
-                    for raster in rasters {
-                        raster.for_each_row(projection, NOTHING, BACK_FACE, |_, ids| {
-                            black_box(ids);
-                        });
-                    }
+                for picture in &mut pictures {
+                    picture.for_each_row(NOTHING, BACK_FACE, |_, ids| {
+                        black_box(ids);
+                    });
                 }
             });
         });

@@ -68,8 +68,8 @@ pub const RECIPROCITY_TOLERANCE: f64 = 0.05;
 /// What a run knows of the quality of its form factors and of its solution.
 #[derive(Clone, Debug, Serialize)]
 pub struct Certificate {
-    /// Rows drawn in this run; where they are not all, but for those of unlit patches, what needs all of them is
-    /// null. Patches that no light can reach have no part in the exchange.
+    /// Rows drawn in this run. Unless all rows of lit patches are drawn, the figures that need all of them are null.
+    /// Patches that no light can reach have no part in the exchange.
     pub rows_drawn: u32,
     /// Patches that no other patch sees, of those that light can reach; null unless all rows of these were drawn.
     pub hidden_patches: Option<u32>,

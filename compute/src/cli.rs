@@ -8,8 +8,8 @@ use std::time::Duration;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Parser, Subcommand};
+use visibility::hemicube::MAX_RESOLUTION;
 
-use crate::hemicube::MAX_RESOLUTION;
 use crate::quantity::{parse_duration, parse_size};
 use crate::settings::{
     BackendChoice, ClosedForms, FormFactorSettings, LampViews, Maps, Points, Settings,

@@ -9,7 +9,7 @@
 //! term is computed once.
 //!
 //! # Practice
-//! The points are those on which hemicubes would stand, so that of the errors of a row only those of pixels go. A row
+//! The points are those on which hemicubes would stand: a row has the errors of its points, and none of pixels. A row
 //! costs as much as there are patches to see, a hemicube as much as it has pixels; so formulas are for
 //! scenes of few patches (`PIXELS_PER_SOURCE`). There are no formulas for what pixels count in the
 //! thesis.
@@ -22,10 +22,10 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use scene::{PatchId, Scene};
+use visibility::facets::{Facet, facets};
+use visibility::hemicube::pixel_count;
+use visibility::{COORDINATE_ULPS, Drawable, Frame};
 
-use crate::cpu::{COORDINATE_ULPS, Drawable};
-use crate::faces::{Face, faces};
-use crate::hemicube::{Frame, pixel_count};
 use crate::hemicubes::Hemicubes;
 use crate::polygon_form_factor::edge_term;
 use crate::rows::{BackendError, Entry, Row, RowBatch, RowSource, UNITS_PER_ONE, Unseen};
@@ -34,7 +34,7 @@ use crate::settings::Maps;
 /// Pixels of a hemicube that are drawn and merged in the time that the formula takes for one patch.
 const PIXELS_PER_SOURCE: usize = 12;
 
-/// The most products of a corner with a plane, a fraction of a second's; if they do not do, the scene counts as
+/// The most comparisons of a corner with a plane, a fraction of a second's work; a scene that needs more counts as
 /// one where something hides something.
 const MOST_PRODUCTS: usize = 1 << 26;
 
@@ -46,7 +46,7 @@ const TASKS_PER_THREAD: usize = 8;
 pub struct ConvexRows<'a> {
     hemicubes: Arc<Hemicubes<'a>>,
     /// One per region.
-    faces: Vec<Face>,
+    facets: Vec<Facet>,
     mesh: Mesh,
 }
 
@@ -59,10 +59,10 @@ impl<'a> ConvexRows<'a> {
         if settings.maps == Maps::Thesis || sources.patch_count() as usize > most {
             return None;
         }
-        let faces = faces(hemicubes.drawable());
-        is_unobstructed(hemicubes.drawable(), &faces).then(|| Self {
+        let facets = facets(hemicubes.drawable());
+        is_unobstructed(hemicubes.drawable(), &facets).then(|| Self {
             hemicubes: Arc::clone(hemicubes),
-            faces,
+            facets,
             mesh: Mesh::new(sources),
         })
     }
@@ -70,11 +70,11 @@ impl<'a> ConvexRows<'a> {
     /// The row of one patch.
     fn row(&self, patch: PatchId) -> Row {
         let own = self.hemicubes.surface_of(patch);
-        let face = &self.faces[self.hemicubes.drawable().region_of(own) as usize];
+        let facet = &self.facets[self.hemicubes.drawable().region_of(own) as usize];
         let frames = self.hemicubes.frames(patch);
         let mut factors = vec![0.0; self.mesh.patches.len()];
         for frame in &frames {
-            self.mesh.add_factors(frame, face, &mut factors);
+            self.mesh.add_factors(frame, facet, &mut factors);
         }
         let one = f64::from(UNITS_PER_ONE);
         let units_each = one / frames.len() as f64;
@@ -119,15 +119,15 @@ impl RowSource for ConvexRows<'_> {
 }
 
 /// True where nothing can hide anything.
-fn is_unobstructed(drawable: &Drawable, faces: &[Face]) -> bool {
-    let corner_count: usize = faces.iter().map(|face| face.corners.len()).sum();
-    if corner_count.saturating_mul(faces.len()) > MOST_PRODUCTS {
+fn is_unobstructed(drawable: &Drawable, facets: &[Facet]) -> bool {
+    let corner_count: usize = facets.iter().map(|facet| facet.corners.len()).sum();
+    if corner_count.saturating_mul(facets.len()) > MOST_PRODUCTS {
         return false;
     }
-    faces.iter().enumerate().all(|(k, face)| {
-        let is_in_front = faces.iter().all(|other| !face.has_behind(other));
-        let mut others = (k + 1..faces.len()).filter(|&other| face.is_in_plane(&faces[other]));
-        is_in_front && others.all(|other| !overlap(drawable, face.normal, [k, other]))
+    facets.iter().enumerate().all(|(k, facet)| {
+        let is_in_front = facets.iter().all(|other| !facet.has_behind(other));
+        let mut others = (k + 1..facets.len()).filter(|&other| facet.is_in_plane(&facets[other]));
+        is_in_front && others.all(|other| !overlap(drawable, facet.normal, [k, other]))
     })
 }
 
@@ -223,8 +223,8 @@ impl Mesh {
         mesh
     }
 
-    /// Adds the form factors from a point to all patches but those in its own face.
-    fn add_factors(&self, frame: &Frame, face: &Face, factors: &mut [f64]) {
+    /// Adds the form factors from a point to all patches but those in its own facet.
+    fn add_factors(&self, frame: &Frame, facet: &Facet, factors: &mut [f64]) {
         let mut sums = vec![0.0; factors.len()];
         for edge in &self.edges {
             let [p, q] = [edge.from, edge.to].map(|k| self.vertices[k as usize] - frame.position);
@@ -237,7 +237,7 @@ impl Mesh {
         let is_above: Vec<bool> = self
             .vertices
             .iter()
-            .map(|&p| face.height(p) > face.tolerance)
+            .map(|&p| facet.height(p) > facet.tolerance)
             .collect();
         for ((corners, sum), factor) in self.patches.iter().zip(&sums).zip(factors) {
             // Corners go counter-clockwise as the point sees them, and so clockwise about its normal: the sum is

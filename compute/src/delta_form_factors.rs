@@ -67,7 +67,7 @@ impl DeltaFormFactors {
         self.resolution
     }
 
-    /// The table of one of the five faces, in the order of [`crate::hemicube::windows`], row by row.
+    /// The table of one of the five faces, in the order of [`visibility::hemicube::windows`], row by row.
     pub fn face(&self, face: usize) -> &[u32] {
         if face == 0 { &self.top } else { &self.side }
     }

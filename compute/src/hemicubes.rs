@@ -18,6 +18,7 @@
 //! place on the gpu follow from its number, so that rows do not depend on what is drawn with them.
 
 mod point_count;
+mod turn;
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -25,12 +26,12 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 use scene::{PatchId, Scene, SurfaceId};
+use visibility::{Drawable, Frame};
 
-use crate::cpu::Drawable;
 use crate::delta_form_factors::DeltaFormFactors;
-use crate::hemicube::{Frame, turn};
 use crate::rows::UNITS_PER_ONE;
 use crate::settings::{FormFactorSettings, Points};
+use turn::turn;
 
 /// Where the hemicubes of one patch stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

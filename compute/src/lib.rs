@@ -1,6 +1,6 @@
 //! Hemicubes, form factors and solvers: the program `compute` and what it is made of.
 //!
-//! Each patch looks through a [`hemicube`] at the scene's surfaces. The patches its pixels see, an
+//! Each patch looks through a [hemicube](visibility::hemicube) at the scene's surfaces. The patches its pixels see, an
 //! item buffer drawn by the [`cpu`] or the [`gpu`], weighted by [`delta_form_factors`], are its
 //! [row](rows) of form factors. Rows are kept in a [`row_cache`], and a [`solver`] iterates on them;
 //! [`run`](mod@run) joins all of it, with checkpoints, and [`report`]s.
@@ -12,10 +12,8 @@ pub mod compact_rows;
 pub mod convex;
 pub mod cpu;
 pub mod delta_form_factors;
-mod faces;
 mod form_factors_csv;
 pub mod gpu;
-pub mod hemicube;
 pub mod hemicubes;
 pub mod interrupt;
 pub mod lamps;

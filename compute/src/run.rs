@@ -9,10 +9,10 @@ use std::time::{Duration, Instant};
 use anyhow::Context;
 use scene::file::{self, OutputLock};
 use scene::{Scene, Solution};
+use visibility::Drawable;
 
 use crate::backend::{self, Backend};
 use crate::convex::ConvexRows;
-use crate::cpu::Drawable;
 use crate::hemicubes::Hemicubes;
 use crate::lamps::with_lamps;
 use crate::problem::Problem;

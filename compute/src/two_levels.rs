@@ -183,9 +183,9 @@ mod tests {
     use scene::PatchId;
 
     use super::*;
-    use crate::cpu::Drawable;
     use crate::hemicubes::Hemicubes;
     use crate::settings::FormFactorSettings;
+    use visibility::Drawable;
 
     #[test]
     fn what_is_prolonged_is_restricted_to_itself() {

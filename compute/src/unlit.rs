@@ -8,16 +8,17 @@
 //! nothing that is left out.
 //!
 //! # Practice
-//! The flood goes over regions ([`crate::cpu::regions`]), of which there are few. Emitters keep their rows,
+//! The flood goes over regions ([`visibility::regions`]), of which there are few. Emitters keep their rows,
 //! since they tell how much light leaves the scene, and are shot. Left out is what has no light in the state that a run starts from either, so that no bit of any iteration changes.
 
 use scene::{Rgb, Solution};
+use visibility::Drawable;
+use visibility::facets::facets;
 
-use crate::cpu::Drawable;
-use crate::faces::faces;
 use crate::hemicubes::Hemicubes;
 
-/// The most products of a corner with a plane, a fraction of a second's; if they do not do, all is taken to be lit.
+/// The most comparisons of a corner with a plane, a fraction of a second's work; in a scene that needs more all is taken
+/// to be lit.
 const MOST_PRODUCTS: usize = 1 << 27;
 
 /// True for each patch that hemicubes stand on and no light can reach, one per patch; `None` where there is none, or where `start` has
@@ -48,21 +49,23 @@ fn is_dark(solution: &Solution, patches: &[bool]) -> bool {
 
 /// True for each region that emits or that light can reach; `None` where it would take too long to tell.
 fn lit_regions(drawable: &Drawable) -> Option<Vec<bool>> {
-    let (faces, scene) = (faces(drawable), drawable.scene());
+    let (facets, scene) = (facets(drawable), drawable.scene());
     let regions = drawable.regions().regions();
     let material = |region: usize| {
         let surface = scene.surface(regions[region].surfaces[0]);
         scene.material(surface.material)
     };
-    let mut lit: Vec<bool> = (0..faces.len()).map(|k| material(k).is_emitter()).collect();
-    let mut senders: Vec<usize> = (0..faces.len()).filter(|&k| lit[k]).collect();
-    let mut unlit: Vec<usize> = (0..faces.len()).filter(|&k| !lit[k]).collect();
+    let mut lit: Vec<bool> = (0..facets.len())
+        .map(|k| material(k).is_emitter())
+        .collect();
+    let mut senders: Vec<usize> = (0..facets.len()).filter(|&k| lit[k]).collect();
+    let mut unlit: Vec<usize> = (0..facets.len()).filter(|&k| !lit[k]).collect();
     let mut products = 0;
     while let Some(sender) = senders.pop() {
-        let sender = &faces[sender];
+        let sender = &facets[sender];
         unlit.retain(|&k| {
-            products += sender.corners.len() + faces[k].corners.len();
-            let is_reached = sender.sees(&faces[k]);
+            products += sender.corners.len() + facets[k].corners.len();
+            let is_reached = sender.sees(&facets[k]);
             if is_reached {
                 lit[k] = true;
                 if material(k).reflectance.max_element() > 0.0 {

@@ -4,7 +4,7 @@ mod common;
 
 use std::path::Path;
 
-use common::objects::{PIXELS, folder_with, grid, walls};
+use common::{PIXELS, folder_with, grid, walls};
 use common::{block, compute, folder, load, save, solve, stderr, stdout};
 use glam::Vec3;
 use scene::Surface;

@@ -4,14 +4,14 @@ mod common;
 
 use std::sync::Arc;
 
-use compute::cpu::item_buffer::{BACK_FACE, HemicubeDrawer, NOTHING};
-use compute::cpu::{CpuRows, Drawable};
-use compute::hemicube::{self, Frame};
+use compute::cpu::CpuRows;
 use compute::hemicubes::Hemicubes;
 use compute::rows::{RowBatch, RowSource, UNITS_PER_ONE, Unseen};
 use compute::settings::{FormFactorSettings, Points};
 use glam::{DVec3, Vec3};
 use scene::{PatchId, Scene, SurfaceId};
+use visibility::item_buffer::{BACK_FACE, HemicubeDrawer, NOTHING};
+use visibility::{Drawable, Frame, hemicube};
 
 fn settings(resolution: u32, points: Points) -> FormFactorSettings {
     FormFactorSettings {

@@ -5,7 +5,6 @@ mod common;
 use std::sync::Arc;
 
 use compute::cpu::CpuRows;
-use compute::hemicube;
 use compute::hemicubes::Hemicubes;
 use compute::lamps::with_lamps;
 use compute::polygon_form_factor::point_to_triangle;
@@ -13,6 +12,8 @@ use compute::rows::{RowBatch, UNITS_PER_ONE};
 use compute::settings::{FormFactorSettings, LampViews, Maps, Points};
 use glam::{DVec3, Vec3};
 use scene::{PatchId, Scene};
+use test_scenes::{furnished_sphere, stone};
+use visibility::{Drawable, Frame, Strategy};
 
 fn settings(points: Points) -> FormFactorSettings {
     FormFactorSettings {
@@ -64,7 +65,7 @@ fn lamp_units(scene: &Scene, row: &[compute::rows::Entry]) -> f64 {
 }
 
 /// The lamp's exact factor from one point.
-fn exact(scene: &Scene, frame: &hemicube::Frame) -> f64 {
+fn exact(scene: &Scene, frame: &Frame) -> f64 {
     scene.surfaces()[12..14]
         .iter()
         .filter(|s| (frame.position - s.corners[0].as_dvec3()).dot(s.normal()) > 1e-6)
@@ -219,4 +220,40 @@ fn without_lamps_and_with_the_thesis_maps_nothing_changes() {
         rows(&dark, exact, LampViews::All),
         rows(&dark, exact, LampViews::Off)
     );
+}
+
+/// Views of lamps are windows of other sizes than a hemicube's. A pixel on an edge counts for one of two neighbours: at
+/// most 4 / (pi 64^2) = 3e-4 of a row, and twice in a sum of differences; three such pixels may be in one.
+#[test]
+fn rows_of_all_strategies_are_the_same_but_for_pixels_on_edges() {
+    let scene = stone(&furnished_sphere(), f64::INFINITY);
+    let [drawn, others @ ..] =
+        [Strategy::Spans, Strategy::Specks, Strategy::Rays].map(|strategy| -> Vec<RowBatch> {
+            let drawable = Arc::new(Drawable::with_strategy(&scene, strategy));
+            let hemicubes = Arc::new(Hemicubes::between(
+                &scene,
+                &drawable,
+                FormFactorSettings {
+                    points: Points::CENTROID,
+                    ..FormFactorSettings::new(64)
+                },
+            ));
+            let inner = Box::new(CpuRows::new(&hemicubes));
+            let mut rows = with_lamps(&hemicubes, LampViews::All, inner);
+            let patches = (0..scene.patch_count()).step_by(61);
+            patches
+                .map(|patch| rows.draw_rows(patch..patch + 1).unwrap())
+                .collect()
+        });
+    for (drawn, other) in others.iter().flat_map(|other| drawn.iter().zip(other)) {
+        let mut difference = vec![0.0; scene.patch_count() as usize];
+        for (row, sign) in [(drawn.row(0), 1.0), (other.row(0), -1.0)] {
+            for entry in row {
+                difference[entry.patch as usize] += sign * f64::from(entry.units);
+            }
+        }
+        let sum: f64 = difference.iter().map(|d| d.abs()).sum();
+        let one = f64::from(UNITS_PER_ONE);
+        assert!(sum < 2e-3 * one, "{:?}: {}", drawn.patches(), sum / one);
+    }
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use common::{bits, folder, load, save, solve, stdout};
 use compute::certificate::CLOSURE_TOLERANCE;
-use compute::cpu::{CpuRows, Drawable};
+use compute::cpu::CpuRows;
 use compute::hemicubes::Hemicubes;
 use compute::lamps::with_lamps;
 use compute::problem::Problem;
@@ -15,6 +15,7 @@ use compute::settings::{FormFactorSettings, LampViews};
 use compute::solver::{Gather, Solver, Update};
 use compute::two_levels::{self, GatherOnce, OnSources};
 use scene::{Rgb, Scene, Solution};
+use visibility::Drawable;
 
 const RESOLUTION: u32 = 64;
 

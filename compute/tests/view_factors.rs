@@ -5,7 +5,7 @@ mod common;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use common::objects::{WALLS, folder_with, grid, walls};
+use common::{WALLS, folder_with, grid, walls};
 use common::{compute, solve, stderr};
 use glam::Vec3;
 use scene::Surface;

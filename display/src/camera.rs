@@ -4,8 +4,8 @@
 //! picture is the part of that plane with |y| < tan(fov / 2) and |x| < aspect tan(fov / 2), fov
 //! the vertical angle of view.
 
-use compute::hemicube::{Frame, Window};
 use glam::DVec3;
+use visibility::{Frame, Window};
 
 use crate::settings::Size;
 

@@ -16,14 +16,14 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use compute::cpu::{Cull, Drawable, Sample};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use scene::Scene;
+use visibility::{Cull, Drawable, Sample, Window};
 
 use crate::camera::Camera;
 use crate::kind::{self, Kind, MAX_BACK_FACES};
-use crate::probe::{Probe, Ray};
+use crate::probe::{Lookout, Probe, Ray};
 use crate::settings::Size;
 
 /// Angle of view inside, degrees: as wide as looks natural, 75 degrees across at 4:3.
@@ -152,9 +152,10 @@ fn outside(scene: &Scene, wishes: &Wishes) -> View {
         .map_init(
             || Probe::new(&drawable),
             |probe, camera| {
-                probe.set_eye(camera.eye, wishes.cull);
+                let window = candidate_window(camera, aspect);
+                let mut probe = probe.at(camera.eye, wishes.cull, window.pixel_count());
                 let (mut fronts, mut backs) = (0.0, 0.0);
-                probe.look(&candidate_window(camera, aspect), |ray| match ray.sample {
+                probe.look(&window, |ray| match ray.sample {
                     Sample::Front { .. } => fronts += ray.solid_angle,
                     Sample::BackFace(_) => backs += ray.solid_angle,
                     Sample::Nothing => {}
@@ -217,14 +218,17 @@ fn inside(scene: &Scene, wishes: &Wishes) -> Option<View> {
         .map_init(
             || Probe::new(&drawable),
             |probe, eye| {
-                probe.set_eye(eye, Cull::Nothing);
+                let window = candidate_window(&Camera::new(eye, east, wishes.up, WIDE_FOV), aspect);
+                let pixels = azimuths as usize * fovs.len() * window.pixel_count();
+                let mut probe = probe.at(eye, Cull::Nothing, pixels);
                 let mut candidates = Vec::new();
                 for k in 0..azimuths {
                     let azimuth = f64::from(k) * std::f64::consts::TAU / f64::from(azimuths);
                     let level = azimuth.cos() * east + azimuth.sin() * south;
                     for &(fov, penalty) in &fovs {
                         let camera = Camera::new(eye, level, wishes.up, fov);
-                        candidates.push((camera, critic.score(probe, &camera, aspect) - penalty));
+                        let score = critic.score(&mut probe, &camera, aspect) - penalty;
+                        candidates.push((camera, score));
                     }
                 }
                 candidates
@@ -247,7 +251,7 @@ fn floor_axes(up: DVec3) -> (DVec3, DVec3) {
 }
 
 /// A candidate's small picture.
-fn candidate_window(camera: &Camera, aspect: f64) -> compute::hemicube::Window {
+fn candidate_window(camera: &Camera, aspect: f64) -> Window {
     let width = (f64::from(CANDIDATE_ROWS) * aspect)
         .round()
         .clamp(1.0, 512.0) as u32;
@@ -299,7 +303,7 @@ impl<'a> Critic<'a> {
     }
 
     /// The score of a view, minus infinity if it sees a back; `probe` is at its eye.
-    fn score(&self, probe: &mut Probe, camera: &Camera, aspect: f64) -> f64 {
+    fn score(&self, probe: &mut Lookout, camera: &Camera, aspect: f64) -> f64 {
         let (mut visible_area, mut visible_lamps) = (0.0, 0.0);
         let (mut close, mut open, mut backs, mut total) = (0.0, 0.0, 0.0, 0.0);
         let mut objects = BTreeSet::new();

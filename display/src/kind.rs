@@ -9,10 +9,10 @@
 
 use std::sync::Arc;
 
-use compute::cpu::{Cull, Drawable, Sample};
 use glam::DVec3;
 use rayon::prelude::*;
 use scene::Scene;
+use visibility::{Cull, Drawable, Sample};
 
 use crate::default_camera::bounding_box;
 use crate::probe::Probe;
@@ -100,7 +100,8 @@ fn side_normal(side: usize) -> DVec3 {
 /// leave through; `None` for a point that is not in free space.
 fn openings(probe: &mut Probe, point: DVec3, middle: DVec3, half: DVec3) -> Option<[f64; 6]> {
     let (mut sides, mut backs, mut total) = ([0.0; 6], 0.0, 0.0);
-    probe.set_eye(point, Cull::Nothing);
+    let pixels = 6 * PROBE_SIZE * PROBE_SIZE;
+    let mut probe = probe.at(point, Cull::Nothing, pixels);
     probe.look_around(PROBE_SIZE, |ray| {
         total += ray.solid_angle;
         match ray.sample {

@@ -1,10 +1,10 @@
 //! A whole picture of a scene, and the colours of its patches.
 
-use compute::cpu::Cull;
 use glam::{DVec3, Vec3};
 use image::{DynamicImage, RgbImage, RgbaImage};
 use rayon::prelude::*;
 use scene::{PatchId, Rgb, Scene, Solution};
+use visibility::Cull;
 
 use crate::camera::Camera;
 use crate::default_camera::{self, View, Wishes};

@@ -1,18 +1,24 @@
-//! Small item buffers, to find out what there is to see from a point.
+//! Small pictures, to find out what there is to see from a point.
 
 use std::sync::Arc;
 
-use compute::cpu::{Cull, Drawable, Projection, Raster, Sample};
-use compute::hemicube::Window;
 use glam::DVec3;
+use visibility::{Canvas, Cull, Drawable, Eye, Sample, View, Viewer, Window};
 
 use crate::camera::frame_at;
 
-/// An eye that can look about; one a thread.
+/// The memory of eyes that look about; one a thread.
 #[derive(Debug)]
 pub struct Probe<'a> {
-    projection: Projection<'a>,
-    raster: Raster,
+    viewer: Viewer<'a>,
+    canvas: Canvas,
+}
+
+/// An eye that can look about.
+#[derive(Debug)]
+pub struct Lookout<'p> {
+    view: View<'p>,
+    canvas: &'p mut Canvas,
 }
 
 /// One ray of a probe.
@@ -30,26 +36,28 @@ impl<'a> Probe<'a> {
     /// A probe in a scene.
     pub fn new(drawable: &Arc<Drawable<'a>>) -> Self {
         Self {
-            projection: Projection::new(drawable),
-            raster: Raster::default(),
+            viewer: Viewer::new(drawable),
+            canvas: Canvas::default(),
         }
     }
 
-    /// Moves the eye, metres, relative to the scene's origin.
-    pub fn set_eye(&mut self, eye: DVec3, cull: Cull) {
-        let frame = frame_at(eye);
-        self.projection.set(&frame, None, false, cull);
+    /// An eye at a point, metres, relative to the scene's origin, that will look through about so many pixels.
+    pub fn at(&mut self, eye: DVec3, cull: Cull, pixels: usize) -> Lookout<'_> {
+        let eye = Eye::free(&frame_at(eye), cull);
+        Lookout {
+            view: self.viewer.view(&eye, pixels),
+            canvas: &mut self.canvas,
+        }
     }
+}
 
+impl Lookout<'_> {
     /// Looks through a window, whose directions are the world's.
     pub fn look(&mut self, window: &Window, mut take: impl FnMut(Ray)) {
-        self.raster.draw(&self.projection, window);
+        let picture = self.canvas.draw(&self.view, window);
         for j in 0..window.height {
-            let (raster, projection) = (&self.raster, &self.projection);
-            raster.for_each_sample(projection, j, 0..window.width, |i, sample| {
-                let x = window.left + (i as f64 + 0.5) * window.pixel;
-                let y = window.bottom + (j as f64 + 0.5) * window.pixel;
-                let direction = window.forward + x * window.right + y * window.up;
+            picture.for_each_sample(j, 0..window.width, |i, sample| {
+                let direction = window.direction(i, j);
                 take(Ray {
                     direction,
                     sample,

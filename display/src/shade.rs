@@ -8,10 +8,9 @@
 
 use std::sync::Arc;
 
-use compute::cpu::{Cull, Drawable, Projection, Raster, Sample};
-use compute::hemicube::Window;
 use rayon::prelude::*;
 use scene::{PatchId, Rgb, Scene};
+use visibility::{Canvas, Cull, Drawable, Eye, Sample, View, Viewer, Window};
 
 use crate::camera::Camera;
 use crate::settings::Size;
@@ -103,15 +102,16 @@ pub fn light(
     let pixels = size.width as usize * size.height as usize;
     let mut linear = vec![Rgb::ZERO; pixels];
     let mut display = vec![Rgb::ZERO; pixels];
-    let bands = Bands::new(scene, camera, size, cull, SAMPLES);
+    let mut viewer = Viewer::new(&Arc::new(Drawable::new(scene)));
+    let bands = Bands::new(&mut viewer, camera, size, cull, SAMPLES);
     let samples = SAMPLES as usize;
     let share = 1.0 / (samples * samples) as f32;
     let seen = linear
         .par_chunks_mut(bands.pixels())
         .zip(display.par_chunks_mut(bands.pixels()))
         .enumerate()
-        .map_init(Raster::default, |raster, (band, (linear, display))| {
-            let seen = bands.for_each_front(raster, band, |pixel, patch, local| {
+        .map_init(Canvas::default, |canvas, (band, (linear, display))| {
+            let seen = bands.for_each_front(canvas, band, |pixel, patch, local| {
                 let [value, light] = shading.at(patch, local, tone);
                 linear[pixel] += value;
                 display[pixel] += light;
@@ -133,27 +133,22 @@ pub fn light(
 /// none or the back of one. And what these rays met.
 pub fn ids(scene: &Scene, camera: &Camera, size: Size, cull: Cull) -> (Vec<Option<PatchId>>, Seen) {
     let mut ids = vec![None; size.width as usize * size.height as usize];
-    let bands = Bands::new(scene, camera, size, cull, 1);
+    let mut viewer = Viewer::new(&Arc::new(Drawable::new(scene)));
+    let bands = Bands::new(&mut viewer, camera, size, cull, 1);
     let seen = ids
         .par_chunks_mut(bands.pixels())
         .enumerate()
-        .map_init(Raster::default, |raster, (band, ids)| {
-            bands.for_each_front(raster, band, |pixel, patch, _| ids[pixel] = Some(patch))
+        .map_init(Canvas::default, |canvas, (band, ids)| {
+            bands.for_each_front(canvas, band, |pixel, patch, _| ids[pixel] = Some(patch))
         })
         .reduce(Seen::default, Seen::plus);
     (ids, seen)
 }
 
-fn project<'a>(scene: &'a Scene, camera: &Camera, cull: Cull) -> Projection<'a> {
-    let mut projection = Projection::new(&Arc::new(Drawable::new(scene)));
-    projection.set(&camera.frame(), None, false, cull);
-    projection
-}
-
 /// A picture as bands of rows, from the top.
 struct Bands<'a> {
     scene: &'a Scene,
-    projection: Projection<'a>,
+    view: View<'a>,
     window: Window,
     /// Rays a pixel along each direction.
     samples: usize,
@@ -166,16 +161,19 @@ struct Bands<'a> {
 }
 
 impl<'a> Bands<'a> {
-    fn new(scene: &'a Scene, camera: &Camera, size: Size, cull: Cull, samples: u32) -> Self {
+    fn new(viewer: &'a mut Viewer, camera: &Camera, size: Size, cull: Cull, samples: u32) -> Self {
         let window = camera.window(size, samples);
         let samples = samples as usize;
+        let rows = (BAND_SAMPLES / (window.width * samples)).clamp(1, 64);
+        let eye = Eye::free(&camera.frame(), cull);
         Self {
-            scene,
-            projection: project(scene, camera, cull),
+            scene: viewer.drawable().scene(),
+            // Each band is drawn by itself.
+            view: viewer.view(&eye, window.width * samples * rows),
             window,
             samples,
             width: size.width as usize,
-            rows: (BAND_SAMPLES / (window.width * samples)).clamp(1, 64),
+            rows,
             height: size.height as usize,
         }
     }
@@ -189,33 +187,33 @@ impl<'a> Bands<'a> {
         self.rows.min(self.height - band * self.rows)
     }
 
-    fn draw(&self, raster: &mut Raster, band: usize) {
+    /// The window of a band.
+    fn window(&self, band: usize) -> Window {
         let rows = self.rows_of(band);
         // A window's rows run upwards.
         let below = (self.height - band * self.rows - rows) * self.samples;
-        let window = Window {
+        Window {
             bottom: self.window.bottom + below as f64 * self.window.pixel,
             height: rows * self.samples,
             ..self.window
-        };
-        raster.draw(&self.projection, &window);
+        }
     }
 
     /// Draws a band, and hands out the patch and the place in it that each ray meets from the
     /// front, with its pixel's index in the band.
     fn for_each_front(
         &self,
-        raster: &mut Raster,
+        canvas: &mut Canvas,
         band: usize,
         mut take: impl FnMut(usize, PatchId, [f32; 3]),
     ) -> Seen {
-        self.draw(raster, band);
+        let picture = canvas.draw(&self.view, &self.window(band));
         let mut seen = Seen::default();
         let height = self.rows_of(band) * self.samples;
         for j in 0..height {
             let row = (height - 1 - j) / self.samples;
             let pixels = 0..self.width * self.samples;
-            raster.for_each_sample(&self.projection, j, pixels, |i, sample| match sample {
+            picture.for_each_sample(j, pixels, |i, sample| match sample {
                 Sample::Nothing => {}
                 Sample::BackFace(_) => seen.backs += 1,
                 Sample::Front {

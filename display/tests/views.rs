@@ -5,11 +5,11 @@ mod common;
 use std::sync::Arc;
 
 use common::{Builder, closed_cube};
-use compute::cpu::{Cull, Drawable, Sample};
 use display::probe::Probe;
 use display::{Axis, Mode, Picture, RenderSettings, Size, render, shade, up};
 use glam::{DVec3, Vec3};
 use scene::Scene;
+use visibility::{Cull, Drawable, Sample};
 
 const SIZE: Size = Size {
     width: 80,
@@ -39,9 +39,10 @@ fn decode(picture: &Picture) -> Vec<Option<u32>> {
 /// Shares of a view's solid angle: fronts, backs, nothing.
 fn shares(scene: &Scene, picture: &Picture, cull: Cull) -> [f64; 3] {
     let mut probe = Probe::new(&Arc::new(Drawable::new(scene)));
-    probe.set_eye(picture.camera.eye, cull);
+    let window = picture.camera.window(picture.view, 1);
     let mut shares = [0.0; 3];
-    probe.look(&picture.camera.window(picture.view, 1), |ray| {
+    let mut probe = probe.at(picture.camera.eye, cull, window.pixel_count());
+    probe.look(&window, |ray| {
         shares[match ray.sample {
             Sample::Front { .. } => 0,
             Sample::BackFace(_) => 1,

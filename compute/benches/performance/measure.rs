@@ -4,12 +4,12 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
 
-use compute::cpu::item_buffer::{BACK_FACE, HemicubeDrawer, NOTHING};
-use compute::cpu::rows::RowDrawer;
-use compute::hemicube::pixel_count;
+use compute::cpu::RowDrawer;
 use compute::hemicubes::Hemicubes;
 use compute::settings::{FormFactorSettings, Points};
 use scene::{PatchId, Scene};
+use visibility::hemicube::pixel_count;
+use visibility::item_buffer::{BACK_FACE, HemicubeDrawer, NOTHING};
 
 use crate::arguments::Plan;
 

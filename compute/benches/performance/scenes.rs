@@ -59,30 +59,8 @@ pub fn tetrahedra(triangles: u32) -> anyhow::Result<Scene> {
 /// cube whose faces are squares of two triangles each, blown up.
 pub fn bumpy_sphere(triangles: u32) -> anyhow::Result<Scene> {
     let cells = (triangles as f32 / 12.0).sqrt().round().max(1.0) as u32;
-    let at = |face: u32, i: u32, j: u32| -> Vec3 {
-        let across = |k: u32| 2.0 * f64::from(k) / f64::from(cells) - 1.0;
-        let (x, y) = (across(i), across(j));
-        let on_cube = match face {
-            0 => DVec3::new(x, y, 1.0),
-            1 => DVec3::new(y, x, -1.0),
-            2 => DVec3::new(1.0, x, y),
-            3 => DVec3::new(-1.0, y, x),
-            4 => DVec3::new(y, 1.0, x),
-            _ => DVec3::new(x, -1.0, y),
-        };
-        let out = on_cube.normalize();
-        let bumps = (9.0 * out.x).sin() * (8.0 * out.y).cos() * (7.0 * out.z).sin();
-        ((1.0 + 0.05 * bumps) * out).as_vec3()
-    };
-    let surfaces = (0..6 * cells * cells)
-        .map(|k| (k / (cells * cells), k / cells % cells, k % cells))
-        .flat_map(|(face, i, j)| {
-            let [a, b] = [at(face, i, j), at(face, i + 1, j)];
-            let [c, d] = [at(face, i, j + 1), at(face, i + 1, j + 1)];
-            [surface([a, c, b]), surface([b, c, d])]
-        })
-        .collect();
-    one_patch_each(surfaces)
+    let triangles = test_scenes::bumpy_sphere(cells).into_iter();
+    one_patch_each(triangles.map(surface).collect())
 }
 
 /// A scene whose triangles are its patches.

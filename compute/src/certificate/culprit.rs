@@ -6,9 +6,8 @@
 //! nothing.
 
 use scene::{ObjectId, PatchId, Scene, SurfaceId};
+use visibility::{Canvas, Sample, Viewer, hemicube};
 
-use crate::cpu::{Cull, Projection, Raster, Sample};
-use crate::hemicube;
 use crate::hemicubes::Hemicubes;
 use crate::interrupt;
 
@@ -34,8 +33,8 @@ pub(super) fn culprit(hemicubes: &Hemicubes, loss: Loss, worst: &[(usize, f64)])
         loss,
         shares: vec![0; scene.objects().len()],
     };
-    let mut projection = Projection::new(hemicubes.drawable());
-    let mut raster = Raster::default();
+    let mut viewer = Viewer::new(hemicubes.drawable());
+    let mut canvas = Canvas::default();
     let mut pixels = 0;
     // To set a surface up takes a few times as long as to fill a pixel.
     let work = hemicube::pixel_count(resolution) + 8 * scene.surfaces().len();
@@ -49,17 +48,14 @@ pub(super) fn culprit(hemicubes: &Hemicubes, loss: Loss, worst: &[(usize, f64)])
                 break 'patches;
             }
             pixels += work;
-            projection.set(&frame, Some(own), true, Cull::Nothing);
-            let windows = hemicube::windows(resolution);
-            for (face, window) in windows.iter().enumerate() {
-                raster.draw(&projection, window);
+            let view = viewer.hemicube(resolution, &frame, own);
+            for (face, window) in view.windows().iter().enumerate() {
+                let picture = canvas.draw_face(&view, face);
                 let factors = delta_form_factors.face(face);
                 let mut below = vec![Sample::Nothing; window.width];
                 for j in 0..window.height {
                     let mut row = Vec::with_capacity(window.width);
-                    raster.for_each_sample(&projection, j, 0..window.width, |_, sample| {
-                        row.push(sample);
-                    });
+                    picture.for_each_sample(j, 0..window.width, |_, sample| row.push(sample));
                     blame.take(
                         &row,
                         (j > 0).then_some(&below),

@@ -6,8 +6,6 @@
 use glam::DVec3;
 use scene::{Scene, SurfaceId};
 
-use crate::cpu;
-
 /// The surfaces above one surface's horizon.
 #[derive(Clone, Debug, Default)]
 pub struct Horizon {
@@ -46,15 +44,15 @@ impl Horizon {
         }
         let height = |p: glam::Vec3| p.as_dvec3().dot(normal);
         let own_height = height(scene.surface(own).corners[0]);
-        let own_reach = cpu::reach(scene.surface(own));
+        let own_reach = visibility::reach(scene.surface(own));
         self.own = Some(own);
         self.words.clear();
         self.words.resize(words(scene.surfaces().len()), 0);
         for (index, surface) in scene.surfaces().iter().enumerate() {
-            let reach = cpu::reach(surface).max(own_reach);
+            let reach = visibility::reach(surface).max(own_reach);
             let is_above = surface.corners.into_iter().any(|p| {
                 let above = height(p) - own_height;
-                above > 0.0 && !cpu::is_in_plane(above, tolerance, normal, reach)
+                above > 0.0 && !visibility::is_in_plane(above, tolerance, normal, reach)
             });
             let bit = u32::from(is_above && index != own.index());
             self.words[index / u32::BITS as usize] |= bit << (index % u32::BITS as usize);

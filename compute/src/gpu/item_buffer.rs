@@ -1,6 +1,8 @@
-//! Item buffers of many hemicubes in one atlas. Twin of [`crate::cpu::item_buffer`].
+//! Item buffers of many hemicubes in one atlas. Twin of [`visibility::item_buffer`].
 
 use scene::{Scene, SurfaceId};
+use visibility::item_buffer::{BACK_FACE, NOTHING};
+use visibility::{Frame, Window, hemicube};
 
 use super::adapter::Gpu;
 use super::atlas::{AtlasLayout, TILES_PER_HEMICUBE};
@@ -8,9 +10,6 @@ use super::horizon::{self, Horizon};
 use super::raster::{self, ComputeRaster, Inputs, PipelineRaster, Raster};
 use super::readback::Readback;
 use super::structs::{self, DrawArguments, DrawSettings, Face, Projected, Span, Surface};
-use crate::cpu;
-use crate::cpu::item_buffer::{BACK_FACE, NOTHING};
-use crate::hemicube::{self, Frame, Window};
 use crate::rows::BackendError;
 
 /// The faces in each tile, from its first row on.
@@ -76,7 +75,7 @@ impl AtlasDrawer {
                 ))
             })?;
         let windows = hemicube::windows(resolution);
-        let plane_tolerance = cpu::plane_tolerance(scene);
+        let plane_tolerance = visibility::plane_tolerance(scene);
 
         let surfaces = surfaces(scene);
         let count = surfaces.len();

@@ -7,9 +7,9 @@ use super::readback::Readback;
 use super::structs::{
     self, CountedEntry, MergeSettings, PIXELS_PER_THREAD, RowSummary, Tile, WORKGROUP_SIZE,
 };
-use crate::hemicube;
 use crate::hemicubes::Hemicubes;
 use crate::rows::{BackendError, Entry, Row, RowBatch, Unseen};
+use visibility::hemicube;
 
 /// What a batch's sums may take, and what its entries may, bytes each, unless one row alone takes
 /// more. Not tuned.

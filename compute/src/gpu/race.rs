@@ -3,12 +3,12 @@
 use std::time::{Duration, Instant};
 
 use scene::PatchId;
+use visibility::hemicube::pixel_count;
 
 use super::adapter::Gpu;
 use super::atlas::TILES_PER_HEMICUBE;
 use super::item_buffer::AtlasDrawer;
 use super::raster::Raster;
-use crate::hemicube::pixel_count;
 use crate::hemicubes::Hemicubes;
 use crate::rows::BackendError;
 

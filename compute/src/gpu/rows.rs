@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use scene::PatchId;
+use visibility::{Frame, hemicube};
 
 use super::adapter::{AdapterChoice, Gpu};
 use super::atlas::TILES_PER_HEMICUBE;
@@ -15,7 +16,6 @@ use super::pace::Pace;
 use super::race;
 use super::raster::Raster;
 use super::structs::Tile;
-use crate::hemicube::{self, Frame};
 use crate::hemicubes::Hemicubes;
 use crate::rows::{BackendError, RowBatch, RowSource};
 
@@ -102,7 +102,7 @@ impl<'a> GpuRows<'a> {
     }
 
     /// The item buffer of the hemicube at `frame` on a patch, in the layout and with the codes of
-    /// [`crate::cpu::item_buffer::HemicubeDrawer::item_buffer`]. It is read back pixel by pixel, which
+    /// [`visibility::item_buffer::HemicubeDrawer::item_buffer`]. It is read back pixel by pixel, which
     /// is slow; rows never are.
     pub fn item_buffer(&mut self, patch: PatchId, frame: &Frame) -> Result<Vec<u32>, BackendError> {
         let scene = self.hemicubes.sources();

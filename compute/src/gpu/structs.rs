@@ -5,8 +5,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use scene::NO_PATCH;
-
-use crate::cpu::COORDINATE_ULPS;
+use visibility::COORDINATE_ULPS;
 
 /// Alpha of a pixel that sees nothing: the value the atlas is cleared to.
 pub const ALPHA_NOTHING: u8 = 0;

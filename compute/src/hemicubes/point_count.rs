@@ -27,10 +27,9 @@ use std::f64::consts::PI;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use scene::{PatchId, Scene, Surface, SurfaceId};
+use visibility::{COORDINATE_ULPS, Drawable, Frame, is_in_plane, plane_tolerance, reach};
 
 use super::Rule;
-use crate::cpu::{COORDINATE_ULPS, Drawable, is_in_plane, plane_tolerance, reach};
-use crate::hemicube::Frame;
 use crate::polygon_form_factor::point_to_triangle;
 use crate::sphere::{Sphere, Spheres};
 

@@ -8,7 +8,7 @@ use std::ops::Range;
 use glam::{DVec3, Vec3};
 use scene::{Scene, SurfaceId};
 
-use crate::cpu::{Drawable, is_in_plane, reach};
+use visibility::{Drawable, is_in_plane, reach};
 
 /// Emitting surfaces that touch, in one plane or as a convex body.
 #[derive(Clone, Debug)]

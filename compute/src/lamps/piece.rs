@@ -6,8 +6,8 @@
 use fearless_simd::{Level, Simd, dispatch};
 use fearless_simd_macros::simd;
 use glam::DVec3;
+use visibility::Window;
 
-use crate::hemicube::Window;
 use crate::polygon_form_factor::{in_front, point_to_polygon};
 
 /// Pixels along the longer side of a view: a shadow's edge across a lamp is right to half of one.

@@ -5,12 +5,11 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use scene::{PatchId, Scene, SurfaceId};
+use visibility::{Canvas, Cull, Eye, Frame, View, Viewer, is_in_plane, reach};
 
 use super::find::Lamp;
 use super::merge::merge;
 use super::piece::{Piece, pieces};
-use crate::cpu::{Cull, Projection, Raster, is_in_plane, reach};
-use crate::hemicube::Frame;
 use crate::hemicubes::Hemicubes;
 use crate::polygon_form_factor::{in_front, point_to_polygon};
 use crate::rows::Row;
@@ -28,10 +27,10 @@ pub(super) struct LampViewer<'a> {
     lamps: Arc<[Lamp]>,
     all: bool,
     plane_tolerance: f64,
-    /// The lamp, and what may hide it.
-    all_surfaces: Projection<'a>,
-    lamp_alone: Projection<'a>,
-    raster: Raster,
+    /// Of the lamp and what may hide it, and of the lamp alone.
+    of_all: Viewer<'a>,
+    of_lamp: Viewer<'a>,
+    canvas: Canvas,
     /// Of a view's pixels.
     weights: Vec<f64>,
     sums: Sums,
@@ -103,9 +102,9 @@ impl<'a> LampViewer<'a> {
             lamps: Arc::clone(lamps),
             all,
             plane_tolerance: hemicubes.drawable().plane_tolerance(),
-            all_surfaces: Projection::new(hemicubes.drawable()),
-            lamp_alone: Projection::new(hemicubes.drawable()),
-            raster: Raster::default(),
+            of_all: Viewer::new(hemicubes.drawable()),
+            of_lamp: Viewer::new(hemicubes.drawable()),
+            canvas: Canvas::default(),
             weights: Vec::new(),
             sums: Sums::new(lamps),
         }
@@ -193,7 +192,16 @@ impl<'a> LampViewer<'a> {
     /// The mean over the points of what is seen of the chosen lamps; as an error a lamp of which no pixel of
     /// a view meets anything from some point from which no single piece hides it.
     fn look(&mut self, own: SurfaceId, frames: &[Frame], chosen: &[Choice]) -> Result<Seen, usize> {
-        let patches = chosen.iter().map(|choice| &self.lamps[choice.lamp].patches);
+        let Self {
+            lamps,
+            of_all,
+            of_lamp,
+            canvas,
+            weights,
+            sums,
+            ..
+        } = self;
+        let patches = chosen.iter().map(|choice| &lamps[choice.lamp].patches);
         let mut replaced: Vec<Range<u32>> = patches.flatten().cloned().collect();
         replaced.sort_unstable_by_key(|range| range.start);
         let share = 1.0 / frames.len() as f64;
@@ -203,54 +211,51 @@ impl<'a> LampViewer<'a> {
             }
             let views = chosen.iter().flat_map(|choice| &choice.pieces[k]);
             let pixels = views.map(|piece| piece.window.width * piece.window.height);
-            self.all_surfaces
-                .set_for(pixels.sum(), frame, Some(own), true, Cull::Nothing);
+            let eye = Eye::on_surface(frame, own);
+            let all = of_all.view(&eye, pixels.sum());
             for choice in chosen.iter().filter(|choice| !choice.pieces[k].is_empty()) {
-                if self.all_surfaces.hides(&choice.polygons[k]) {
+                if all.hides(&choice.polygons[k]) {
                     continue;
                 }
-                let regions = self.lamps[choice.lamp].regions.iter().copied();
-                self.lamp_alone
-                    .set_some(frame, Some(own), regions, true, Cull::BackFaces);
+                let regions = &lamps[choice.lamp].regions;
+                let fronts = Eye {
+                    cull: Cull::BackFaces,
+                    ..eye
+                };
+                let alone = of_lamp.view_of(&fronts, regions.iter().copied());
                 for piece in &choice.pieces[k] {
-                    if !self.view(choice.lamp, piece, share) {
-                        self.sums.take();
+                    piece.weights(weights);
+                    let whole = covered(canvas, &alone, piece, weights);
+                    if whole <= 0.0 {
+                        sums.take();
                         return Err(choice.lamp);
                     }
+                    let scale = share * piece.form_factor / whole;
+                    let row = |j: usize| j * piece.window.width;
+                    let mut picture = canvas.draw(&all, &piece.window);
+                    picture.for_each_run_of(regions, |patch, j, run| {
+                        let seen = sum(&weights[row(j) + run.start..row(j) + run.end]);
+                        sums.add(patch, scale * seen);
+                    });
                 }
             }
         }
         Ok(Seen {
             replaced,
-            factors: self.sums.take(),
+            factors: sums.take(),
         })
     }
+}
 
-    /// Looks at a piece of one lamp from the point that the projections are set to and adds what is seen, times
-    /// `share`. False where no pixel meets the piece.
-    fn view(&mut self, lamp: usize, piece: &Piece, share: f64) -> bool {
-        let lamp = &self.lamps[lamp];
-        piece.weights(&mut self.weights);
-        let row = |j: usize| j * piece.window.width;
-        let mut whole = 0.0;
-        self.raster.draw(&self.lamp_alone, &piece.window);
-        self.raster.for_each_covered_run(|j, run| {
-            whole += sum(&self.weights[row(j) + run.start..row(j) + run.end]);
-        });
-        if whole <= 0.0 {
-            return false;
-        }
-        self.raster
-            .draw_or_cast(&mut self.all_surfaces, None, &piece.window);
-        let scale = share * piece.form_factor / whole;
-        let Self { weights, sums, .. } = self;
-        self.raster
-            .for_each_run_of(&self.all_surfaces, &lamp.regions, |patch, j, run| {
-                let weights = &weights[row(j) + run.start..row(j) + run.end];
-                sums.add(patch, scale * sum(weights));
-            });
-        true
-    }
+/// The sum of the weights of the pixels of a piece's window that meet the lamp.
+fn covered(canvas: &mut Canvas, lamp: &View, piece: &Piece, weights: &[f64]) -> f64 {
+    let row = |j: usize| j * piece.window.width;
+    let mut whole = 0.0;
+    let picture = canvas.draw(lamp, &piece.window);
+    picture.for_each_covered_run(|j, run| {
+        whole += sum(&weights[row(j) + run.start..row(j) + run.end]);
+    });
+    whole
 }
 
 /// Every fourth number is added up by itself, since one sum would wait for itself.

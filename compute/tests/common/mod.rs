@@ -1,154 +1,16 @@
-//! Small scenes made by hand, and the program by its command line.
+//! The program by its command line, and the scenes that it is given.
 #![allow(dead_code)] // each test file uses some of them
 
 pub mod methods;
-pub mod objects;
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use glam::{DVec3, Vec3};
-use scene::{Material, MaterialId, ObjectId, Rgb, Scene, Solution, Surface};
+use scene::{Rgb, Scene, Solution, Surface};
 use tempfile::TempDir;
-
-pub fn material(reflectance: f32, emission: f32) -> Material {
-    Material {
-        name: "wall".into(),
-        reflectance: Vec3::splat(reflectance),
-        emission: Vec3::splat(emission),
-    }
-}
-
-/// A quadrilateral, counter-clockwise from its front, as two triangles.
-pub fn quad(corners: [Vec3; 4], material: u32) -> [Surface; 2] {
-    let surface = |corners| Surface {
-        corners,
-        material: MaterialId(material),
-        object: ObjectId(0),
-    };
-    let [a, b, c, d] = corners;
-    [surface([a, b, c]), surface([a, c, d])]
-}
-
-/// The twelve triangles of a box, seen from inside, or from outside if `solid`.
-pub fn block(low: Vec3, high: Vec3, solid: bool, material: u32) -> Vec<Surface> {
-    let corner = |k: usize| {
-        Vec3::new(
-            if k & 1 == 0 { low.x } else { high.x },
-            if k & 2 == 0 { low.y } else { high.y },
-            if k & 4 == 0 { low.z } else { high.z },
-        )
-    };
-    // Each face counter-clockwise from inside.
-    [
-        [0, 1, 3, 2],
-        [4, 6, 7, 5],
-        [0, 4, 5, 1],
-        [2, 3, 7, 6],
-        [0, 2, 6, 4],
-        [1, 5, 7, 3],
-    ]
-    .into_iter()
-    .flat_map(|mut face| {
-        if solid {
-            face.reverse();
-        }
-        quad(face.map(corner), material)
-    })
-    .collect()
-}
-
-/// The same triangles with every corner moved a little, the same way wherever it occurs, so that no
-/// ray from one patch's centroid meets an edge exactly.
-pub fn shaken(surfaces: Vec<Surface>) -> Vec<Surface> {
-    let shake = |p: Vec3| {
-        let phase = p.dot(Vec3::new(12.9898, 78.233, 37.719));
-        p + 0.05 * Vec3::new(phase.sin(), (1.7 * phase).cos(), (2.3 * phase).sin())
-    };
-    surfaces
-        .into_iter()
-        .map(|s| Surface {
-            corners: s.corners.map(shake),
-            ..s
-        })
-        .collect()
-}
-
-/// A scene of one object.
-pub fn scene(materials: Vec<Material>, surfaces: Vec<Surface>, max_area: f64) -> Scene {
-    Scene::with_max_area(
-        materials,
-        vec!["all".into()],
-        surfaces,
-        max_area,
-        DVec3::ZERO,
-    )
-    .unwrap()
-}
-
-/// A closed unit cube whose walls all emit and reflect alike.
-pub fn furnace(reflectance: f32, emission: f32, max_area: f64) -> Scene {
-    scene(
-        vec![material(reflectance, emission)],
-        block(Vec3::ZERO, Vec3::ONE, false, 0),
-        max_area,
-    )
-}
-
-/// A closed room with two blocks floating in it.
-pub fn furnished_room(max_area: f64) -> Scene {
-    scene(
-        vec![material(0.5, 0.0), material(0.3, 2.0)],
-        furnished_room_surfaces(),
-        max_area,
-    )
-}
-
-/// The triangles of [`furnished_room`].
-pub fn furnished_room_surfaces() -> Vec<Surface> {
-    let mut surfaces = block(Vec3::ZERO, Vec3::new(4.0, 3.0, 2.0), false, 0);
-    surfaces.extend(block(
-        Vec3::new(1.0, 1.0, 0.5),
-        Vec3::new(1.7, 1.4, 1.3),
-        true,
-        1,
-    ));
-    surfaces.extend(block(
-        Vec3::new(2.5, 0.5, 0.2),
-        Vec3::new(3.1, 2.1, 0.9),
-        true,
-        1,
-    ));
-    surfaces
-}
-
-/// A room whose walls differ in reflectance and emission, in every channel.
-pub fn colourful_room(max_area: f64) -> Scene {
-    let coloured = |reflectance: [f32; 3], emission: [f32; 3]| Material {
-        name: "wall".into(),
-        reflectance: reflectance.into(),
-        emission: emission.into(),
-    };
-    let mut surfaces = furnished_room_surfaces();
-    // The ceiling is a lamp, and one wall is red.
-    for (first, material) in [(2, 2), (4, 3)] {
-        for surface in &mut surfaces[first..first + 2] {
-            surface.material = MaterialId(material);
-        }
-    }
-    scene(
-        vec![
-            coloured([0.5, 0.6, 0.7], [0.0; 3]),
-            coloured([0.3, 0.2, 0.1], [0.0, 0.0, 0.5]),
-            coloured([0.1, 0.2, 0.3], [10.0, 8.0, 6.0]),
-            coloured([0.75, 0.05, 0.05], [0.0; 3]),
-        ],
-        surfaces,
-        max_area,
-    )
-}
+pub use test_scenes::*;
 
 /// A folder that is removed at the end of the test.
 pub fn folder() -> TempDir {
@@ -264,4 +126,14 @@ pub fn wait_for_lock(folder: &Path, output: &str) {
 pub fn start_endless(folder: &Path, input: &str, output: &str, more: &[&str]) -> Child {
     let arguments = [input, output, "32", "--tolerance", "0", "--memory", "0KiB"];
     start(folder, &[&arguments[..], more].concat())
+}
+
+/// Pixels along a face in tests, where the number does not matter.
+pub const PIXELS: &str = "64";
+
+/// A scene of named objects whose materials reflect half and emit 1, in a folder, as `in.rad`.
+pub fn folder_with(objects: &[(&str, Vec<Surface>)], max_area: f64) -> TempDir {
+    let folder = folder();
+    save(folder.path(), "in.rad", &named(objects, max_area));
+    folder
 }

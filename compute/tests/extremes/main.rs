@@ -17,12 +17,12 @@ use std::sync::Arc;
 
 use common::methods::ROUNDING;
 use compute::cpu::CpuRows;
-use compute::hemicube::Frame;
 use compute::hemicubes::Hemicubes;
 use compute::row_cache::RowCache;
 use compute::rows::{RowBatch, RowSource, UNITS_PER_ONE, Unseen};
 use compute::settings::{FormFactorSettings, Points};
 use scene::{PatchId, Scene};
+use visibility::Frame;
 
 /// One hemicube a patch.
 fn settings(resolution: u32) -> FormFactorSettings {

@@ -3,12 +3,11 @@
 use std::sync::Arc;
 
 use compute::certificate::certify;
-use compute::cpu::Drawable;
-use compute::cpu::item_buffer::{BACK_FACE, HemicubeDrawer};
-use compute::hemicube::Frame;
 use compute::rows::{RowBatch, UNITS_PER_ONE};
 use glam::{DVec3, Vec3};
 use scene::{MaterialId, ObjectId, Scene, Surface, SurfaceId};
+use visibility::item_buffer::{BACK_FACE, HemicubeDrawer};
+use visibility::{Drawable, Frame};
 
 use super::{all_rows, cache};
 use crate::common::{self, block, compute, folder, material, quad, save, stderr};

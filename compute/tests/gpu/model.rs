@@ -1,9 +1,9 @@
 //! Small scenes: rooms and boxes, turned in space.
 
-use compute::hemicube::Frame;
 use compute::hemicubes::Hemicubes;
 use glam::{DQuat, DVec3, EulerRot};
 use scene::{Material, MaterialId, ObjectId, PatchId, Scene, Surface};
+use visibility::Frame;
 
 /// The sides of a box: bottom, top, then the four around. Counter-clockwise as seen from outside, or
 /// from inside if it is a room.

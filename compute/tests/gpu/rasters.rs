@@ -1,12 +1,12 @@
 //! The fixed pipeline and the compute shader see the same, to the bit. No tolerance anywhere: what a pixel
 //! sees follows from the same arithmetic.
 
-use compute::cpu::item_buffer::{BACK_FACE, NOTHING};
 use compute::gpu::Raster;
 use compute::hemicubes::Hemicubes;
 use compute::rows::RowSource;
 use compute::settings::{FormFactorSettings, Points};
 use scene::{PatchId, Scene};
+use visibility::item_buffer::{BACK_FACE, NOTHING};
 
 use crate::model::{
     Model, fine_patchwork_room, patchwork_room, room, room_far_from_a_box, room_with_block, ruin,

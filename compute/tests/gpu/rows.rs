@@ -1,11 +1,11 @@
 //! Rows are the sums of what is seen, whatever they are drawn together with.
 
-use compute::cpu::item_buffer::{BACK_FACE, NOTHING};
 use compute::delta_form_factors::DeltaFormFactors;
 use compute::hemicubes::Hemicubes;
 use compute::rows::{Entry, RowBatch, RowSource, UNITS_PER_ONE, Unseen};
 use compute::settings::{FormFactorSettings, Maps, Points, Turns};
 use scene::{PatchId, Scene};
+use visibility::item_buffer::{BACK_FACE, NOTHING};
 
 use crate::model::{room, room_with_boxes_at, ruin};
 use crate::{open, settings};

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use compute::cpu::item_buffer::{BACK_FACE, HemicubeDrawer, NOTHING};
-use compute::cpu::{CpuRows, Drawable};
+use compute::cpu::CpuRows;
 use compute::hemicubes::Hemicubes;
 use compute::rows::{RowBatch, RowSource, UNITS_PER_ONE};
 use scene::{PatchId, Scene};
+use visibility::Drawable;
+use visibility::item_buffer::{BACK_FACE, HemicubeDrawer, NOTHING};
 
 use crate::model::{frame, room, room_far_from_a_box, ruin};
 use crate::{open, settings};
