@@ -14,8 +14,8 @@
 //! and 0.01 percent, 32 centroids 0.3 and 0.08.
 //!
 //! # Practice
-//! Hemicubes are numbered through the scene, patch by patch. A hemicube's turn about its normal and its
-//! place on the gpu follow from its number, so that rows do not depend on what is drawn with them.
+//! Hemicubes are numbered through the scene, patch by patch. A hemicube's place on the gpu follows from its number, its
+//! turn about its normal from where it stands, so that rows do not depend on what is drawn with them.
 
 mod point_count;
 mod turn;
@@ -212,13 +212,16 @@ impl<'a> Hemicubes<'a> {
     pub fn frames(&self, patch: PatchId) -> Vec<Frame> {
         let geometry = self.receivers.patch(patch);
         let normal = self.drawable.normal_of(geometry.surface);
-        let points = self
-            .rule(patch)
-            .points(geometry.corners.map(Vec3::as_dvec3));
-        (self.first(patch)..)
-            .zip(points)
-            .map(|(number, point)| {
-                Frame::on_patch(&geometry, normal, point, turn(number, self.settings.turns))
+        let surface = self.receivers.surface(geometry.surface);
+        let rule = self.rule(patch);
+        let points = rule.points(geometry.corners.map(Vec3::as_dvec3));
+        let on_surface = rule.points(self.receivers.patch_in_surface(patch));
+        points
+            .into_iter()
+            .zip(on_surface)
+            .map(|(point, barycentric)| {
+                let turn = turn(surface, barycentric, self.settings.turns);
+                Frame::on_patch(&geometry, normal, point, turn)
             })
             .collect()
     }

@@ -205,6 +205,13 @@ impl Scene {
         self.material(self.surface(self.mesh.surface_of(patch)).material)
     }
 
+    /// Corners of a patch as barycentric coordinates in its surface, in the order of [`Patch::corners`]. They are
+    /// dyadic fractions, hence exact.
+    pub fn patch_in_surface(&self, patch: PatchId) -> [DVec3; 3] {
+        let tree = self.mesh.tree(self.mesh.surface_of(patch));
+        bisection::leaf_corners(tree.depth, patch.0 - tree.first_patch.0)
+    }
+
     /// The geometry of a patch.
     pub fn patch(&self, patch: PatchId) -> Patch {
         let surface = self.mesh.surface_of(patch);
