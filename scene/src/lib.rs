@@ -17,6 +17,7 @@ mod mesh;
 pub mod obj;
 mod scene;
 mod solution;
+pub mod srgb;
 mod surface;
 
 pub use error::SceneError;
