@@ -2,12 +2,13 @@
 
 mod verify;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Parser, Subcommand};
+use scene::file::is_same_file;
 
 use crate::hemicube::MAX_RESOLUTION;
 use crate::quantity::{parse_duration, parse_size};
@@ -236,20 +237,6 @@ impl Arguments {
         }
         Ok(())
     }
-}
-
-/// By where their names lead, links followed; a file that is not there yet by its folder and name.
-fn is_same_file(a: &Path, b: &Path) -> bool {
-    let resolve = |path: &Path| {
-        path.canonicalize().or_else(|_| {
-            let folder = path
-                .parent()
-                .filter(|folder| !folder.as_os_str().is_empty());
-            let folder = folder.unwrap_or(Path::new(".")).canonicalize()?;
-            std::io::Result::Ok(folder.join(path.file_name().unwrap_or_default()))
-        })
-    };
-    a == b || matches!((resolve(a), resolve(b)), (Ok(a), Ok(b)) if a == b)
 }
 
 /// A parser of one of a few words, which help and errors list.

@@ -26,6 +26,7 @@
 //! goes to a temporary name in the same folder, is synced, and renamed over the old file, so the
 //! name always holds one whole file. [`OutputLock`] keeps a second program from the same name.
 
+mod identity;
 mod layout;
 mod lock;
 mod read;
@@ -33,6 +34,7 @@ mod write;
 
 use std::path::{Path, PathBuf};
 
+pub use identity::is_same_file;
 pub use lock::OutputLock;
 pub use read::{from_bytes, load};
 pub use write::{save, to_bytes, write_atomically};
