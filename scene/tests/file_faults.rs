@@ -8,23 +8,28 @@ use scene::{MAX_PATCHES, SceneError};
 use twox_hash::XxHash3_64;
 
 const HEADER_BYTES: usize = 64;
-const SECTION_BYTES: usize = 32;
-const SECTIONS: usize = 7;
+const SECTION_BYTES: usize = 40;
 const VERSION: usize = 8;
 const SECTION_COUNT: usize = 12;
 const FILE_BYTES: usize = 16;
 const CHECKSUM: usize = 24;
 const ORIGIN: usize = 32;
 // In an entry of the section table.
-const RECORD_BYTES: usize = 4;
-const OFFSET: usize = 8;
-const COUNT: usize = 16;
-// Section kinds.
-const MATERIALS: u32 = 2;
-const SURFACES: u32 = 3;
-const IRRADIANCE: u32 = 5;
-const UNFINISHED: u32 = 6;
-const UNSHOT: u32 = 7;
+const RECORD_BYTES: usize = 16;
+const FLAGS: usize = 20;
+const OFFSET: usize = 24;
+const COUNT: usize = 32;
+
+const SECTIONS: [&str; 8] = [
+    "names",
+    "materials",
+    "surfaces",
+    "provenance",
+    "irradiance",
+    "unfinished",
+    "unshot",
+    "remainder",
+];
 
 fn small_file() -> Vec<u8> {
     let scene = small_scene();
@@ -44,16 +49,23 @@ fn seal(mut bytes: Vec<u8>) -> Vec<u8> {
 }
 
 /// Where the table entry of a section starts.
-fn entry(bytes: &[u8], kind: u32) -> usize {
-    (0..SECTIONS)
+fn entry(bytes: &[u8], name: &str) -> usize {
+    (0..SECTIONS.len())
         .map(|i| HEADER_BYTES + i * SECTION_BYTES)
-        .find(|&at| bytes[at..at + 4] == kind.to_le_bytes())
+        .find(|&at| bytes[at..at + 16] == padded(name))
         .unwrap()
 }
 
+/// A section's name as it is in the table.
+fn padded(name: &str) -> [u8; 16] {
+    let mut padded = [0; 16];
+    padded[..name.len()].copy_from_slice(name.as_bytes());
+    padded
+}
+
 /// Where the data of a section starts.
-fn data(bytes: &[u8], kind: u32) -> usize {
-    let at = entry(bytes, kind) + OFFSET;
+fn data(bytes: &[u8], name: &str) -> usize {
+    let at = entry(bytes, name) + OFFSET;
     u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap()) as usize
 }
 
@@ -194,9 +206,15 @@ fn huge_file_of_another_kind_is_refused_without_reading_it() {
 #[test]
 fn later_version_is_an_error_even_if_its_sizes_differ() {
     let mut bytes = small_file();
-    patch(&mut bytes, VERSION, &2_u32.to_le_bytes());
+    patch(&mut bytes, VERSION, &3_u32.to_le_bytes());
     bytes.truncate(100);
-    assert!(matches!(fault_of(&bytes), FileFault::Version { found: 2 }));
+    let fault = fault_of(&bytes);
+    assert!(matches!(fault, FileFault::Version { found: 3 }));
+    let message = fault.to_string();
+    assert!(
+        message.contains("version 3") && message.contains("newer version of the toolkit"),
+        "{message}"
+    );
 }
 
 #[test]
@@ -210,17 +228,17 @@ fn counts_of_terabytes_are_refused_before_anything_is_allocated() {
         1 << 32,
         1 << 63,
     ];
-    for kind in 1..=SECTIONS as u32 {
+    for name in SECTIONS {
         for count in counts {
             for field in [COUNT, OFFSET] {
                 let mut bytes = bytes.clone();
-                let at = entry(&bytes, kind) + field;
+                let at = entry(&bytes, name) + field;
                 // A multiple of 16, so that offsets do not fail for their alignment.
                 patch(&mut bytes, at, &(count & !15).to_le_bytes());
                 let fault = fault_of(&seal(bytes));
                 assert!(
                     matches!(fault, FileFault::Structure { .. }),
-                    "{kind} {count}: {fault}"
+                    "{name} {count}: {fault}"
                 );
             }
         }
@@ -252,15 +270,18 @@ fn counts_of_terabytes_are_refused_before_anything_is_allocated() {
 #[test]
 fn sections_that_are_missing_misplaced_or_of_other_records_are_errors() {
     let bytes = small_file();
-    for (kind, is_required) in [(1, true), (2, true), (3, true), (4, true), (5, false)] {
+    for name in &SECTIONS[..5] {
         let mut bytes = bytes.clone();
-        let at = entry(&bytes, kind);
-        patch(&mut bytes, at, &99_u32.to_le_bytes());
-        assert_eq!(from_bytes(&seal(bytes)).is_err(), is_required, "{kind}");
+        let at = entry(&bytes, name);
+        patch(&mut bytes, at, &padded("another"));
+        patch(&mut bytes, at + FLAGS, &[0]);
+        // A scene without a solution is one.
+        let is_needed = *name != "irradiance";
+        assert_eq!(from_bytes(&seal(bytes)).is_err(), is_needed, "{name}");
     }
-    for kind in 1..=SECTIONS as u32 {
+    for name in SECTIONS {
         let mut odd_records = bytes.clone();
-        let at = entry(&bytes, kind);
+        let at = entry(&bytes, name);
         patch(&mut odd_records, at + RECORD_BYTES, &7_u32.to_le_bytes());
         assert!(matches!(
             fault_of(&seal(odd_records)),
@@ -278,16 +299,16 @@ fn sections_that_are_missing_misplaced_or_of_other_records_are_errors() {
 #[test]
 fn values_out_of_range_are_errors_in_every_array() {
     let bytes = small_file();
-    let with = |kind, float: usize, value: f32| {
+    let with = |name, float: usize, value: f32| {
         let mut bytes = bytes.clone();
-        let at = data(&bytes, kind) + 4 * float;
+        let at = data(&bytes, name) + 4 * float;
         patch(&mut bytes, at, &value.to_le_bytes());
         fault_of(&seal(bytes))
     };
     let infinities = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
     for value in infinities {
         for float in 0..9 {
-            let fault = with(SURFACES, float, value);
+            let fault = with("surfaces", float, value);
             assert!(
                 matches!(
                     fault,
@@ -299,7 +320,7 @@ fn values_out_of_range_are_errors_in_every_array() {
     }
     for value in infinities.into_iter().chain([1.0, 1.5, -0.1]) {
         for float in 0..3 {
-            let fault = with(MATERIALS, float, value);
+            let fault = with("materials", float, value);
             assert!(
                 matches!(fault, FileFault::Scene(SceneError::Reflectance { .. })),
                 "{fault}"
@@ -308,18 +329,18 @@ fn values_out_of_range_are_errors_in_every_array() {
     }
     for value in infinities.into_iter().chain([-1.0, -1e-30]) {
         for float in 3..6 {
-            let fault = with(MATERIALS, float, value);
+            let fault = with("materials", float, value);
             assert!(
                 matches!(fault, FileFault::Scene(SceneError::Emission { .. })),
                 "{fault}"
             );
         }
-        for kind in [IRRADIANCE, UNFINISHED, UNSHOT] {
+        for name in ["irradiance", "unfinished", "unshot"] {
             // What is left to shoot may be negative: a correction.
-            if kind == UNSHOT && value.is_finite() {
+            if name == "unshot" && value.is_finite() {
                 continue;
             }
-            let fault = with(kind, 7, value);
+            let fault = with(name, 7, value);
             assert!(
                 matches!(
                     fault,
@@ -340,7 +361,7 @@ fn values_out_of_range_are_errors_in_every_array() {
 #[test]
 fn bad_indices_depths_and_triangles_are_errors() {
     let bytes = small_file();
-    let first = data(&bytes, SURFACES);
+    let first = data(&bytes, "surfaces");
     let with = |offset: usize, value: u32| {
         let mut bytes = bytes.clone();
         patch(&mut bytes, first + offset, &value.to_le_bytes());
@@ -376,7 +397,7 @@ fn bad_indices_depths_and_triangles_are_errors() {
 #[test]
 fn more_patches_than_24_bits_hold_are_an_error_that_tells_both_numbers() {
     let mut bytes = small_file();
-    let first = data(&bytes, SURFACES);
+    let first = data(&bytes, "surfaces");
     for surface in 0..2 {
         patch(&mut bytes, first + 48 * surface + 44, &23_u32.to_le_bytes());
     }
@@ -426,7 +447,7 @@ fn solution_of_the_wrong_length_is_an_error_in_every_array() {
 #[test]
 fn damaged_names_are_errors() {
     let bytes = small_file();
-    let names = data(&bytes, 1);
+    let names = data(&bytes, "names");
     for damage in [b"[", b"}", b"\xFF", b"\0"] {
         let mut bytes = bytes.clone();
         patch(&mut bytes, names, damage);
@@ -437,11 +458,39 @@ fn damaged_names_are_errors() {
     }
     // One material less than there are names.
     let mut fewer = bytes.clone();
-    let at = entry(&bytes, MATERIALS) + COUNT;
+    let at = entry(&bytes, "materials") + COUNT;
     patch(&mut fewer, at, &1_u64.to_le_bytes());
     let fault = fault_of(&seal(fewer));
     assert!(
         fault.to_string().contains("2 names for 1 materials"),
         "{fault}"
     );
+}
+
+#[test]
+fn names_of_sections_that_are_double_or_no_ascii_are_errors() {
+    let bytes = small_file();
+    let at = entry(&bytes, "unshot");
+    let long = *b"sixteen-letters!";
+    for (name, told) in [
+        (padded("irradiance"), Some("two sections \"irradiance\"")),
+        (padded(""), Some("\"\" is no name")),
+        (padded("two words"), Some("\"two words\" is no name")),
+        (padded("a\0b"), Some("\"a\" is no name")),
+        (padded("é"), Some("\"\\xc3\\xa9\" is no name")),
+        (long, None),
+    ] {
+        let mut bytes = bytes.clone();
+        patch(&mut bytes, at, &name);
+        let bytes = seal(bytes);
+        let Some(told) = told else {
+            from_bytes(&bytes).unwrap();
+            continue;
+        };
+        let fault = fault_of(&bytes);
+        assert!(
+            matches!(&fault, FileFault::Structure { what } if what.contains(told)),
+            "{fault}"
+        );
+    }
 }
