@@ -20,10 +20,11 @@ const FLAGS: usize = 20;
 const OFFSET: usize = 24;
 const COUNT: usize = 32;
 
-const SECTIONS: [&str; 8] = [
+const SECTIONS: [&str; 9] = [
     "names",
     "materials",
     "surfaces",
+    "faces",
     "provenance",
     "irradiance",
     "unfinished",
@@ -270,13 +271,13 @@ fn counts_of_terabytes_are_refused_before_anything_is_allocated() {
 #[test]
 fn sections_that_are_missing_misplaced_or_of_other_records_are_errors() {
     let bytes = small_file();
-    for name in &SECTIONS[..5] {
+    for name in &SECTIONS[..6] {
         let mut bytes = bytes.clone();
         let at = entry(&bytes, name);
         patch(&mut bytes, at, &padded("another"));
         patch(&mut bytes, at + FLAGS, &[0]);
-        // A scene without a solution is one.
-        let is_needed = *name != "irradiance";
+        // A scene without a solution is one, and has faces of its own.
+        let is_needed = !["irradiance", "faces"].contains(name);
         assert_eq!(from_bytes(&seal(bytes)).is_err(), is_needed, "{name}");
     }
     for name in SECTIONS {
@@ -442,6 +443,20 @@ fn solution_of_the_wrong_length_is_an_error_in_every_array() {
         fault_of(&to_bytes(&scene, Some(&wrong))),
         FileFault::Scene(SceneError::SolutionLength { values: 6, .. })
     ));
+}
+
+#[test]
+fn faces_that_are_more_or_fewer_than_surfaces_are_an_error() {
+    let bytes = small_file();
+    let at = entry(&bytes, "faces") + COUNT;
+    for count in [0_u64, 1, 3] {
+        let mut bytes = bytes.clone();
+        patch(&mut bytes, at, &count.to_le_bytes());
+        assert!(matches!(
+            fault_of(&seal(bytes)),
+            FileFault::Scene(SceneError::FaceCount { surfaces: 2, .. })
+        ));
+    }
 }
 
 #[test]

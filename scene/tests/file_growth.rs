@@ -87,6 +87,8 @@ fn file_of_version_1_has_its_scene_and_a_start() {
     let (scene, solution) = from_bytes(VERSION_1).unwrap();
     assert_eq!(scene.patch_count(), 12);
     assert_eq!(scene.surfaces().len(), 12);
+    let numbers: Vec<u32> = (0..12).collect();
+    assert_eq!(scene.faces(), numbers);
     assert_eq!(scene.objects(), ["wall"]);
     assert!((scene.area() - 6.0).abs() < 1e-6);
     let solution = solution.unwrap();

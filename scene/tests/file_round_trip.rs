@@ -56,7 +56,10 @@ fn any_scene() -> impl Strategy<Value = Scene> {
                     (surface, depth)
                 })
                 .unzip();
-            Scene::new(materials, objects, surfaces, &depths, DVec3::from(origin)).ok()
+            let scene =
+                Scene::new(materials, objects, surfaces, &depths, DVec3::from(origin)).ok()?;
+            let faces = (7..).step_by(3).take(scene.surfaces().len());
+            scene.with_faces(faces.collect()).ok()
         })
 }
 

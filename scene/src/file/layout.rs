@@ -66,6 +66,8 @@ impl SectionName {
     pub const MATERIALS: Self = Self::new("materials");
     /// [`SurfaceRecord`]s.
     pub const SURFACES: Self = Self::new("surfaces");
+    /// u32 numbers of faces.
+    pub const FACES: Self = Self::new("faces");
     /// JSON of [`crate::Provenance`].
     pub const PROVENANCE: Self = Self::new("provenance");
     /// RGB irradiances.
@@ -78,10 +80,11 @@ impl SectionName {
     pub const REMAINDER: Self = Self::new("remainder");
 
     /// All that this code knows.
-    const ALL: [Self; 8] = [
+    const ALL: [Self; 9] = [
         Self::NAMES,
         Self::MATERIALS,
         Self::SURFACES,
+        Self::FACES,
         Self::PROVENANCE,
         Self::IRRADIANCE,
         Self::UNFINISHED,

@@ -13,13 +13,14 @@
 //! | names* | JSON: names of materials and of objects | bytes |
 //! | materials* | 6 f32: reflectance; emission, W/m^2 | materials |
 //! | surfaces* | 9 f32: corners, metres; 3 u32: material, object, bisections | surfaces |
+//! | faces | u32: triangle of the imported file | surfaces |
 //! | provenance | JSON: [`crate::Provenance`] | bytes |
 //! | irradiance | 3 f32, W/m^2 | patches |
 //! | unfinished | 3 f32, W/m^2 | patches done |
 //! | unshot | 3 f32, W/m^2 | patches |
 //! | remainder | 3 f32, W/m^2 | patches |
 //!
-//! The last five are there when there is a solution (the last three when it has them). The header's
+//! Where there are no faces, a surface's is its number. The last five are there when there is a solution (the last three when it has them). The header's
 //! checksum (XXH3, 64 bits) covers every other byte of the file.
 //!
 //! # Growth

@@ -90,13 +90,11 @@ fn scene(sections: &Sections) -> Result<Scene, FileFault> {
         })
         .unzip();
     let origin = DVec3::from(sections.header.origin);
-    Ok(Scene::new(
-        materials,
-        names.objects,
-        surfaces,
-        &depths,
-        origin,
-    )?)
+    let scene = Scene::new(materials, names.objects, surfaces, &depths, origin)?;
+    Ok(match sections.records_if_any(SectionName::FACES)? {
+        Some(faces) => scene.with_faces(faces)?,
+        None => scene,
+    })
 }
 
 fn solution(sections: &Sections) -> Result<Option<Solution>, FileFault> {

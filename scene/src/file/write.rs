@@ -126,6 +126,7 @@ pub fn to_bytes(scene: &Scene, solution: Option<&Solution>) -> Vec<u8> {
     file.json(SectionName::NAMES, REQUIRED, &names);
     file.records(SectionName::MATERIALS, REQUIRED, &materials);
     file.records(SectionName::SURFACES, REQUIRED, &surfaces);
+    file.records(SectionName::FACES, 0, scene.faces());
     if let Some(solution) = solution {
         file.json(SectionName::PROVENANCE, 0, &solution.provenance);
         file.records(SectionName::IRRADIANCE, 0, &solution.irradiance);

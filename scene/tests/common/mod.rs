@@ -24,7 +24,7 @@ pub fn surface(corners: [[f32; 3]; 3], material: u32, object: u32) -> Surface {
     }
 }
 
-/// Two triangles of 1 and 4 patches, two materials, two objects, an origin.
+/// Two triangles of 1 and 4 patches, the faces 3 and 7, two materials, two objects, an origin.
 pub fn small_scene() -> Scene {
     Scene::new(
         vec![
@@ -39,6 +39,8 @@ pub fn small_scene() -> Scene {
         &[0, 2],
         DVec3::new(16.0, -8.0, 0.0),
     )
+    .unwrap()
+    .with_faces(vec![3, 7])
     .unwrap()
 }
 
