@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use scene::file::{self, OutputLock};
-use scene::{Scene, Solution};
+use scene::{Level, Scene, Solution, State};
 
 use crate::backend::{self, Backend};
 use crate::convex::ConvexRows;
@@ -234,14 +234,7 @@ impl<'a> Run<'a> {
     /// The state to go on from: the file's own where it was made with the same settings, else its
     /// irradiances alone.
     fn start_from(&self, scene: &Scene, solution: Option<Solution>) -> Solution {
-        let mut description = describe(self.settings, scene);
-        let on_one_level = format!("{description}{}", levels::ONE_LEVEL);
-        if solution
-            .as_ref()
-            .is_some_and(|s| s.provenance.settings == on_one_level)
-        {
-            description = on_one_level;
-        }
+        let description = describe(self.settings, scene);
         let fresh = solution.is_none();
         let mut solution = solution.unwrap_or_else(|| Solution::dark(scene));
         if !fresh && solution.provenance.settings != description {
@@ -250,10 +243,8 @@ impl<'a> Run<'a> {
                 self.settings.input.display(),
                 solution.provenance.settings,
             );
-            solution.unfinished = None;
-            solution.provenance.sources = None;
-            solution.unshot = None;
-            solution.remainder = None;
+            solution.state = State::AtRest;
+            solution.provenance.level = Level::Patches;
             // They tell nothing about these settings, neither now nor in a file that is continued
             // before these settings have done an iteration.
             solution.provenance.residuals.clear();

@@ -11,7 +11,7 @@ use common::{
     bits, files, folder, load, save, signal, solve, start, start_endless, stderr, stdout,
     wait_for_lock,
 };
-use scene::{Scene, Solution};
+use scene::{Level, Scene, Solution, State};
 
 const SOLVERS: [&str; 3] = ["jacobi", "gauss-seidel", "shooting"];
 
@@ -22,13 +22,14 @@ fn room() -> Scene {
 
 /// All bits a run goes on from, and the iterations it has had.
 fn state(solution: &Solution) -> (Vec<Vec<[u32; 3]>>, u64) {
-    let arrays = [
-        Some(&solution.irradiance),
-        solution.unfinished.as_ref().map(|u| &u.irradiance),
-        solution.unshot.as_ref(),
-    ];
-    let arrays = arrays.map(|values| values.map_or_else(Vec::new, |v| bits(v)));
-    (arrays.into(), solution.provenance.iterations)
+    let mut arrays = vec![&solution.irradiance];
+    match &solution.state {
+        State::AtRest => {}
+        State::Unfinished { irradiance } => arrays.push(irradiance),
+        State::Shooting { unshot, remainder } => arrays.extend([unshot, remainder]),
+    }
+    let arrays = arrays.into_iter().map(|values| bits(values));
+    (arrays.collect(), solution.provenance.iterations)
 }
 
 #[track_caller]
@@ -60,6 +61,12 @@ fn stopped_by_iterations_and_continued_is_as_never_stopped() {
     }
 }
 
+/// Whether an iteration, or the gathering of all patches from sources, was stopped on its way.
+fn is_unfinished(solution: &Solution) -> bool {
+    matches!(solution.state, State::Unfinished { .. })
+        || matches!(solution.provenance.level, Level::Gathering { .. })
+}
+
 /// Solves `in.rad` into `part.rad` by runs of `limit_ms` milliseconds, IN = OUT, on changing numbers of threads, until
 /// one is done: how many, and how many that left an unfinished iteration.
 fn solve_in_parts(
@@ -80,7 +87,7 @@ fn solve_in_parts(
         let output = solve(folder, &arguments);
         runs += 1;
         let solution = load(folder, "part.rad");
-        unfinished_runs += usize::from(solution.unfinished.is_some());
+        unfinished_runs += usize::from(is_unfinished(&solution));
         if !stdout(&output).contains("stopped by --time-limit") {
             return (runs, unfinished_runs);
         }
@@ -162,7 +169,7 @@ fn iterations_among_sources_count_when_a_gathered_solution_goes_on() {
         );
         let solution = load(folder.path(), "out.rad");
         assert_eq!(solution.provenance.iterations, iterations, "{output}");
-        assert!(solution.provenance.sources.is_none());
+        assert_eq!(solution.provenance.level, Level::Patches);
         // Of iterations among sources that are solved anew nothing else is known.
         done += solution.provenance.residuals.len() as u64;
         assert_eq!(done, iterations, "{output}");

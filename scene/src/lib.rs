@@ -25,5 +25,5 @@ pub use ids::{MAX_PATCHES, MaterialId, NO_PATCH, ObjectId, PatchId, SurfaceId};
 pub use material::Material;
 pub use mesh::{Mesh, Tree};
 pub use scene::{Patch, Rgb, Scene};
-pub use solution::{Provenance, Solution, Sources, Unfinished};
+pub use solution::{Level, Provenance, Solution, State};
 pub use surface::Surface;

@@ -2,9 +2,11 @@
 
 mod common;
 
-use common::{checked_message, folder, small_scene, small_solution, write};
+use common::{
+    checked_message, folder, small_scene, small_shooting_solution, small_solution, write,
+};
 use scene::file::{FileFault, from_bytes, load, to_bytes};
-use scene::{MAX_PATCHES, SceneError};
+use scene::{Level, MAX_PATCHES, Rgb, SceneError, Solution, State};
 use twox_hash::XxHash3_64;
 
 const HEADER_BYTES: usize = 64;
@@ -20,21 +22,28 @@ const FLAGS: usize = 20;
 const OFFSET: usize = 24;
 const COUNT: usize = 32;
 
-const SECTIONS: [&str; 9] = [
-    "names",
-    "materials",
-    "surfaces",
-    "faces",
-    "provenance",
-    "irradiance",
-    "unfinished",
-    "unshot",
-    "remainder",
-];
-
 fn small_file() -> Vec<u8> {
     let scene = small_scene();
     to_bytes(&scene, Some(&small_solution(&scene)))
+}
+
+/// The same, and one of another solver: together they have every section.
+fn small_files() -> [Vec<u8>; 2] {
+    let scene = small_scene();
+    let shooting = to_bytes(&scene, Some(&small_shooting_solution(&scene)));
+    [small_file(), shooting]
+}
+
+/// Names of all sections.
+fn sections(bytes: &[u8]) -> Vec<String> {
+    let count = u32::from_le_bytes(bytes[SECTION_COUNT..][..4].try_into().unwrap());
+    (0..count as usize)
+        .map(|k| {
+            let name = &bytes[HEADER_BYTES + k * SECTION_BYTES..][..16];
+            let end = name.iter().position(|&byte| byte == 0).unwrap();
+            String::from_utf8(name[..end].to_vec()).unwrap()
+        })
+        .collect()
 }
 
 fn patch(bytes: &mut [u8], at: usize, value: &[u8]) {
@@ -51,7 +60,7 @@ fn seal(mut bytes: Vec<u8>) -> Vec<u8> {
 
 /// Where the table entry of a section starts.
 fn entry(bytes: &[u8], name: &str) -> usize {
-    (0..SECTIONS.len())
+    (0..sections(bytes).len())
         .map(|i| HEADER_BYTES + i * SECTION_BYTES)
         .find(|&at| bytes[at..at + 16] == padded(name))
         .unwrap()
@@ -168,20 +177,21 @@ fn flip_of_every_single_bit_is_an_error() {
 
 #[test]
 fn sealed_flip_of_every_single_bit_never_panics() {
-    let bytes = small_file();
-    let mut accepted = 0;
-    for bit in 0..8 * bytes.len() {
-        let mut flipped = bytes.clone();
-        flipped[bit / 8] ^= 1 << (bit % 8);
-        if let Ok((scene, solution)) = from_bytes(&seal(flipped)) {
-            // What is accepted is valid in every part, and so can be saved and read again.
-            accepted += 1;
-            let again = from_bytes(&to_bytes(&scene, solution.as_ref())).unwrap();
-            assert_eq!(again, (scene, solution));
+    for bytes in small_files() {
+        let mut accepted = 0;
+        for bit in 0..8 * bytes.len() {
+            let mut flipped = bytes.clone();
+            flipped[bit / 8] ^= 1 << (bit % 8);
+            if let Ok((scene, solution)) = from_bytes(&seal(flipped)) {
+                // What is accepted is valid in every part, and so can be saved and read again.
+                accepted += 1;
+                let again = from_bytes(&to_bytes(&scene, solution.as_ref())).unwrap();
+                assert_eq!(again, (scene, solution));
+            }
         }
+        // A value may change to another valid one, so some are accepted.
+        assert!(0 < accepted && accepted < 8 * bytes.len());
     }
-    // A value may change to another valid one, so some are accepted.
-    assert!(0 < accepted && accepted < 8 * bytes.len());
 }
 
 #[test]
@@ -229,18 +239,20 @@ fn counts_of_terabytes_are_refused_before_anything_is_allocated() {
         1 << 32,
         1 << 63,
     ];
-    for name in SECTIONS {
-        for count in counts {
-            for field in [COUNT, OFFSET] {
-                let mut bytes = bytes.clone();
-                let at = entry(&bytes, name) + field;
-                // A multiple of 16, so that offsets do not fail for their alignment.
-                patch(&mut bytes, at, &(count & !15).to_le_bytes());
-                let fault = fault_of(&seal(bytes));
-                assert!(
-                    matches!(fault, FileFault::Structure { .. }),
-                    "{name} {count}: {fault}"
-                );
+    for bytes in small_files() {
+        for name in sections(&bytes) {
+            for count in counts {
+                for field in [COUNT, OFFSET] {
+                    let mut bytes = bytes.clone();
+                    let at = entry(&bytes, &name) + field;
+                    // A multiple of 16, so that offsets do not fail for their alignment.
+                    patch(&mut bytes, at, &(count & !15).to_le_bytes());
+                    let fault = fault_of(&seal(bytes));
+                    assert!(
+                        matches!(fault, FileFault::Structure { .. }),
+                        "{name} {count}: {fault}"
+                    );
+                }
             }
         }
     }
@@ -270,38 +282,38 @@ fn counts_of_terabytes_are_refused_before_anything_is_allocated() {
 
 #[test]
 fn sections_that_are_missing_misplaced_or_of_other_records_are_errors() {
-    let bytes = small_file();
-    for name in &SECTIONS[..6] {
-        let mut bytes = bytes.clone();
-        let at = entry(&bytes, name);
-        patch(&mut bytes, at, &padded("another"));
-        patch(&mut bytes, at + FLAGS, &[0]);
-        // A scene without a solution is one, and has faces of its own.
-        let is_needed = !["irradiance", "faces"].contains(name);
-        assert_eq!(from_bytes(&seal(bytes)).is_err(), is_needed, "{name}");
-    }
-    for name in SECTIONS {
-        let mut odd_records = bytes.clone();
-        let at = entry(&bytes, name);
-        patch(&mut odd_records, at + RECORD_BYTES, &7_u32.to_le_bytes());
-        assert!(matches!(
-            fault_of(&seal(odd_records)),
-            FileFault::Structure { .. }
-        ));
-        let mut unaligned = bytes.clone();
-        unaligned[at + OFFSET] += 1;
-        assert!(matches!(
-            fault_of(&seal(unaligned)),
-            FileFault::Structure { .. }
-        ));
+    for bytes in small_files() {
+        for name in sections(&bytes) {
+            let at = entry(&bytes, &name);
+            let mut missing = bytes.clone();
+            patch(&mut missing, at, &padded("another"));
+            patch(&mut missing, at + FLAGS, &[0]);
+            // A scene without a solution is one, as are a solution that nothing is under way of, and one whose
+            // surfaces have faces by their numbers.
+            let may_miss = ["irradiance", "unfinished", "faces"].contains(&&name[..]);
+            assert_eq!(from_bytes(&seal(missing)).is_ok(), may_miss, "{name}");
+            let mut odd_records = bytes.clone();
+            patch(&mut odd_records, at + RECORD_BYTES, &7_u32.to_le_bytes());
+            assert!(matches!(
+                fault_of(&seal(odd_records)),
+                FileFault::Structure { .. }
+            ));
+            let mut unaligned = bytes.clone();
+            unaligned[at + OFFSET] += 1;
+            assert!(matches!(
+                fault_of(&seal(unaligned)),
+                FileFault::Structure { .. }
+            ));
+        }
     }
 }
 
 #[test]
 fn values_out_of_range_are_errors_in_every_array() {
-    let bytes = small_file();
+    let [bytes, shooting] = small_files();
     let with = |name, float: usize, value: f32| {
-        let mut bytes = bytes.clone();
+        let is_shot = ["unshot", "remainder"].contains(&name);
+        let mut bytes = if is_shot { &shooting } else { &bytes }.clone();
         let at = data(&bytes, name) + 4 * float;
         patch(&mut bytes, at, &value.to_le_bytes());
         fault_of(&seal(bytes))
@@ -336,9 +348,15 @@ fn values_out_of_range_are_errors_in_every_array() {
                 "{fault}"
             );
         }
-        for name in ["irradiance", "unfinished", "unshot"] {
+        for name in [
+            "irradiance",
+            "gathered",
+            "unfinished",
+            "unshot",
+            "remainder",
+        ] {
             // What is left to shoot may be negative: a correction.
-            if name == "unshot" && value.is_finite() {
+            if ["unshot", "remainder"].contains(&name) && value.is_finite() {
                 continue;
             }
             let fault = with(name, 7, value);
@@ -419,30 +437,64 @@ fn more_patches_than_24_bits_hold_are_an_error_that_tells_both_numbers() {
 #[test]
 fn solution_of_the_wrong_length_is_an_error_in_every_array() {
     let scene = small_scene();
-    let good = small_solution(&scene);
-    for change in [-1_i32, 1] {
-        let resize = |values: &mut Vec<scene::Rgb>| {
-            values.resize(
-                (scene.patch_count() as i32 + change) as usize,
-                scene::Rgb::ONE,
-            );
-        };
-        let mut wrong = [good.clone(), good.clone()];
-        resize(&mut wrong[0].irradiance);
-        resize(wrong[1].unshot.as_mut().unwrap());
-        for solution in wrong {
-            assert!(matches!(
-                fault_of(&to_bytes(&scene, Some(&solution))),
-                FileFault::Scene(SceneError::SolutionLength { patches: 5, .. })
-            ));
+    let patches = scene.patch_count() as usize;
+    let is_refused = |solution: &Solution| {
+        matches!(
+            fault_of(&to_bytes(&scene, Some(solution))),
+            FileFault::Scene(SceneError::SolutionLength { patches: 5, .. })
+        )
+    };
+    let values = |count| vec![Rgb::ONE; count];
+    for count in [patches - 1, patches + 1] {
+        let mut solution = small_solution(&scene);
+        solution.irradiance = values(count);
+        assert!(is_refused(&solution));
+        for (unshot, remainder) in [(count, patches), (patches, count)] {
+            solution = small_shooting_solution(&scene);
+            solution.state = State::Shooting {
+                unshot: values(unshot),
+                remainder: values(remainder),
+            };
+            assert!(is_refused(&solution));
         }
     }
-    let mut wrong = good;
-    wrong.unfinished.as_mut().unwrap().irradiance = vec![scene::Rgb::ONE; 6];
-    assert!(matches!(
-        fault_of(&to_bytes(&scene, Some(&wrong))),
-        FileFault::Scene(SceneError::SolutionLength { values: 6, .. })
-    ));
+    let mut solution = small_solution(&scene);
+    solution.state = State::Unfinished {
+        irradiance: values(patches + 1),
+    };
+    assert!(is_refused(&solution));
+    solution = small_solution(&scene);
+    solution.provenance.level = Level::Gathering {
+        max_area: 0.1,
+        gathered: values(patches + 1),
+    };
+    assert!(is_refused(&solution));
+}
+
+#[test]
+fn areas_of_sources_that_are_none_are_errors() {
+    let scene = small_scene();
+    for max_area in [0.0, -1.0] {
+        let mut solution = small_solution(&scene);
+        solution.provenance.level = Level::Sources { max_area };
+        assert!(matches!(
+            fault_of(&to_bytes(&scene, Some(&solution))),
+            FileFault::Scene(SceneError::SourceArea { .. })
+        ));
+    }
+}
+
+#[test]
+fn states_of_two_solvers_at_once_are_an_error() {
+    let [_, bytes] = small_files();
+    let mut mixed = bytes.clone();
+    patch(
+        &mut mixed,
+        entry(&bytes, "remainder"),
+        &padded("unfinished"),
+    );
+    let fault = fault_of(&seal(mixed));
+    assert!(fault.to_string().contains("come together"), "{fault}");
 }
 
 #[test]
@@ -485,7 +537,7 @@ fn damaged_names_are_errors() {
 #[test]
 fn names_of_sections_that_are_double_or_no_ascii_are_errors() {
     let bytes = small_file();
-    let at = entry(&bytes, "unshot");
+    let at = entry(&bytes, "unfinished");
     let long = *b"sixteen-letters!";
     for (name, told) in [
         (padded("irradiance"), Some("two sections \"irradiance\"")),

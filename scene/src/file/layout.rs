@@ -72,6 +72,8 @@ impl SectionName {
     pub const PROVENANCE: Self = Self::new("provenance");
     /// RGB irradiances.
     pub const IRRADIANCE: Self = Self::new("irradiance");
+    /// RGB irradiances that patches have gathered from sources.
+    pub const GATHERED: Self = Self::new("gathered");
     /// RGB irradiances of an unfinished iteration.
     pub const UNFINISHED: Self = Self::new("unfinished");
     /// RGB unshot radiosities.
@@ -80,13 +82,14 @@ impl SectionName {
     pub const REMAINDER: Self = Self::new("remainder");
 
     /// All that this code knows.
-    const ALL: [Self; 9] = [
+    const ALL: [Self; 10] = [
         Self::NAMES,
         Self::MATERIALS,
         Self::SURFACES,
         Self::FACES,
         Self::PROVENANCE,
         Self::IRRADIANCE,
+        Self::GATHERED,
         Self::UNFINISHED,
         Self::UNSHOT,
         Self::REMAINDER,

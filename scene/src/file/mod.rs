@@ -16,11 +16,13 @@
 //! | faces | u32: triangle of the imported file | surfaces |
 //! | provenance | JSON: [`crate::Provenance`] | bytes |
 //! | irradiance | 3 f32, W/m^2 | patches |
+//! | gathered | 3 f32, W/m^2 | patches done |
 //! | unfinished | 3 f32, W/m^2 | patches done |
 //! | unshot | 3 f32, W/m^2 | patches |
 //! | remainder | 3 f32, W/m^2 | patches |
 //!
-//! Where there are no faces, a surface's is its number. The last five are there when there is a solution (the last three when it has them). The header's
+//! Where there are no faces, a surface's is its number. Provenance and irradiance are there where there is a
+//! solution, those below where its [`crate::Level`] or its [`crate::State`] has them. The header's
 //! checksum (XXH3, 64 bits) covers every other byte of the file.
 //!
 //! # Growth

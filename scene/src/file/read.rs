@@ -9,7 +9,9 @@ use glam::{DVec3, Vec3};
 use super::layout::{Header, MaterialRecord, Names, SectionName, SurfaceRecord};
 use super::table::{Sections, structure};
 use super::{FileError, FileFault, version_1};
-use crate::{Material, MaterialId, ObjectId, Rgb, Scene, Solution, Surface, Unfinished};
+use crate::{
+    Level, Material, MaterialId, ObjectId, Provenance, Rgb, Scene, Solution, State, Surface,
+};
 
 /// Reads a scene and, where the file has one, its solution.
 pub fn load(path: &Path) -> Result<(Scene, Option<Solution>), FileError> {
@@ -101,19 +103,38 @@ fn solution(sections: &Sections) -> Result<Option<Solution>, FileFault> {
     let Some(irradiance) = sections.records_if_any(SectionName::IRRADIANCE)? else {
         return Ok(None);
     };
-    let provenance = if sections.is_version_1() {
+    if sections.is_version_1() {
         let provenance: version_1::Provenance = sections.json(SectionName::PROVENANCE)?;
-        provenance.into()
-    } else {
-        sections.json(SectionName::PROVENANCE)?
-    };
+        return Ok(Some(Solution {
+            irradiance,
+            provenance: provenance.into(),
+            state: State::AtRest,
+        }));
+    }
+    let mut provenance: Provenance = sections.json(SectionName::PROVENANCE)?;
+    if let Level::Gathering { gathered, .. } = &mut provenance.level {
+        *gathered = sections.records(SectionName::GATHERED)?;
+    }
     Ok(Some(Solution {
         irradiance,
         provenance,
-        unfinished: sections
-            .records_if_any(SectionName::UNFINISHED)?
-            .map(|irradiance| Unfinished { irradiance }),
-        unshot: sections.records_if_any(SectionName::UNSHOT)?,
-        remainder: sections.records_if_any(SectionName::REMAINDER)?,
+        state: state(sections)?,
     }))
+}
+
+fn state(sections: &Sections) -> Result<State, FileFault> {
+    let unfinished = sections.records_if_any(SectionName::UNFINISHED)?;
+    let unshot = sections.records_if_any(SectionName::UNSHOT)?;
+    let remainder = sections.records_if_any(SectionName::REMAINDER)?;
+    match (unfinished, unshot, remainder) {
+        (None, None, None) => Ok(State::AtRest),
+        (Some(irradiance), None, None) => Ok(State::Unfinished { irradiance }),
+        (None, Some(unshot), Some(remainder)) => Ok(State::Shooting { unshot, remainder }),
+        _ => Err(structure(format!(
+            "sections {} and {} come together, and without {}",
+            SectionName::UNSHOT,
+            SectionName::REMAINDER,
+            SectionName::UNFINISHED
+        ))),
+    }
 }

@@ -11,7 +11,7 @@ use super::layout::{
     VERSION,
 };
 use super::{FileError, FileFault, table};
-use crate::{Scene, Solution};
+use crate::{Level, Scene, Solution, State};
 
 /// Writes a scene, with or without a solution, replacing the file at once or not at all.
 ///
@@ -130,14 +130,18 @@ pub fn to_bytes(scene: &Scene, solution: Option<&Solution>) -> Vec<u8> {
     if let Some(solution) = solution {
         file.json(SectionName::PROVENANCE, 0, &solution.provenance);
         file.records(SectionName::IRRADIANCE, 0, &solution.irradiance);
-        if let Some(unfinished) = &solution.unfinished {
-            file.records(SectionName::UNFINISHED, 0, &unfinished.irradiance);
+        if let Level::Gathering { gathered, .. } = &solution.provenance.level {
+            file.records(SectionName::GATHERED, 0, gathered);
         }
-        if let Some(unshot) = &solution.unshot {
-            file.records(SectionName::UNSHOT, 0, unshot);
-        }
-        if let Some(remainder) = &solution.remainder {
-            file.records(SectionName::REMAINDER, 0, remainder);
+        match &solution.state {
+            State::AtRest => {}
+            State::Unfinished { irradiance } => {
+                file.records(SectionName::UNFINISHED, 0, irradiance);
+            }
+            State::Shooting { unshot, remainder } => {
+                file.records(SectionName::UNSHOT, 0, unshot);
+                file.records(SectionName::REMAINDER, 0, remainder);
+            }
         }
     }
     file.finish(scene.origin().into())
