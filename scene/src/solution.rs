@@ -6,15 +6,14 @@
 
 use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::{Rgb, Scene, SceneError};
+use crate::{RecordedSettings, Rgb, Scene, SceneError};
 
 /// How a solution was made.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
-    /// Name of the solver.
-    pub solver: String,
-    /// The settings that change the result, as text; compared when a run is continued.
-    pub settings: String,
+    /// The settings on which the result depends, compared when a run is continued; `None` where a file of version 1
+    /// does not say, and where nothing has been solved.
+    pub settings: Option<RecordedSettings>,
     /// Iterations the solution has had.
     pub iterations: u64,
     /// Relative residual after each of those iterations that were done with these settings,

@@ -92,7 +92,7 @@ fn file_of_version_1_has_its_scene_and_a_start() {
     assert_eq!(scene.objects(), ["wall"]);
     assert!((scene.area() - 6.0).abs() < 1e-6);
     let solution = solution.unwrap();
-    // Three patches have shot, in three steps of more and more.
+    // Three patches have shot.
     assert!(solution.irradiance.iter().any(|h| h.x > 0.1));
     let start = Solution {
         irradiance: solution.irradiance.clone(),

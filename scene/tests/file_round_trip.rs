@@ -8,7 +8,8 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use scene::file::{from_bytes, load, save, to_bytes};
 use scene::{
-    Level, Material, MaterialId, ObjectId, Provenance, Rgb, Scene, Solution, State, Surface,
+    Level, Material, MaterialId, ObjectId, Provenance, RecordedSettings, Rgb, Scene, Solution,
+    State, Surface,
 };
 
 /// Any f32 of a range of bit patterns: subnormals and extremes are as likely as the rest.
@@ -89,16 +90,16 @@ fn any_solution(scene: &Scene) -> impl Strategy<Value = Solution> + use<> {
     (
         values(),
         state,
-        any::<(String, String, u64)>(),
+        proptest::option::of(any::<std::collections::BTreeMap<String, String>>()),
+        any::<u64>(),
         level,
         vec(-1e300_f64..1e300, 0..5),
     )
         .prop_map(
-            |(irradiance, state, (solver, settings, iterations), level, residuals)| Solution {
+            |(irradiance, state, settings, iterations, level, residuals)| Solution {
                 irradiance,
                 provenance: Provenance {
-                    solver,
-                    settings,
+                    settings: settings.map(|settings| RecordedSettings::new(&settings)),
                     iterations,
                     residuals,
                     level,

@@ -116,7 +116,7 @@ impl Run<'_> {
             start.provenance.level = Level::Sources { max_area };
         }
         let is_of_sources = start.provenance.level.source_area().is_some();
-        match self.settings.source_area {
+        match self.settings.solution.source_area {
             _ if is_solved && !is_of_sources => {}
             SourceArea::Auto if start.provenance.level == Level::PatchesAfterSources => {}
             SourceArea::AtMost(area) => {
@@ -208,7 +208,7 @@ impl Run<'_> {
             let sources = two_levels::sources(scene, area);
             let hemicubes = Arc::new(self.hemicubes(&sources, &sources));
             let (_, mut rows) = self.rows(&hemicubes, self.settings.memory_bytes)?;
-            let make = |start| solver(self.settings.solver, &sources, start);
+            let make = |start| solver(self.settings.solution.solver, &sources, start);
             let start = irradiances(irradiance, &provenance);
             let mut on_sources = OnSources::new(scene, &sources, area, start, make);
             let stopped_by = self.iterate(scene, &mut on_sources, &mut rows, Goal::Again)?;
@@ -233,7 +233,7 @@ impl Run<'_> {
     ) -> anyhow::Result<TwoLevels> {
         let hemicubes = Arc::new(self.hemicubes(sources, sources));
         let (_, mut rows) = self.rows(&hemicubes, self.settings.memory_bytes)?;
-        let make = |start| solver(self.settings.solver, sources, start);
+        let make = |start| solver(self.settings.solution.solver, sources, start);
         let mut on_sources = OnSources::new(scene, sources, area, start, make);
         let result = self.iterate(scene, &mut on_sources, &mut rows, Goal::Convergence);
         let mut levels = TwoLevels {
@@ -291,7 +291,7 @@ impl Run<'_> {
                 };
             }
             Levels::One(start) => {
-                let mut solver = solver(self.settings.solver, scene, start);
+                let mut solver = solver(self.settings.solution.solver, scene, start);
                 return Solved {
                     result: self.iterate(scene, solver.as_mut(), rows, Goal::Convergence),
                     solution: solver.snapshot(),

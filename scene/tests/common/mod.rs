@@ -6,8 +6,10 @@ use std::path::{Path, PathBuf};
 use glam::{DVec3, Vec3};
 use scene::obj::{ObjError, ObjModel};
 use scene::{
-    Level, Material, MaterialId, ObjectId, Provenance, Rgb, Scene, Solution, State, Surface,
+    Level, Material, MaterialId, ObjectId, Provenance, RecordedSettings, Rgb, Scene, Solution,
+    State, Surface,
 };
+use serde_json::json;
 use tempfile::TempDir;
 
 pub fn material(name: &str, reflectance: [f32; 3], emission: [f32; 3]) -> Material {
@@ -51,8 +53,9 @@ pub fn small_solution(scene: &Scene) -> Solution {
     Solution {
         irradiance: small_values(scene, 1.0),
         provenance: Provenance {
-            solver: "jacobi".into(),
-            settings: "resolution 100".into(),
+            settings: Some(RecordedSettings::new(
+                &json!({"resolution": 100, "seed": "7"}),
+            )),
             iterations: 2,
             residuals: vec![0.1, 1.0 / 3.0],
             level: Level::Gathering {
