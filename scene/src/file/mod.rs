@@ -31,7 +31,8 @@
 //!
 //! - *A section is added* for whatever a file is to say more: faces, layers, caches. A program that
 //!   does not know it goes on as it did. Records do not grow: what belongs to a surface or a patch
-//!   and is new gets an array of its own, and what changes its meaning gets another name.
+//!   and is new gets an array of its own, and what changes its meaning gets another name. JSON may
+//!   get fields, which old programs do not see and new ones do not need.
 //! - *It is marked* where what is left without it is wrong, not only less: a mesh whose patches are
 //!   numbered in another way, irradiances that are to be added to others. Most are not.
 //! - *The version rises* where an old program could not even find the sections or tell what it must
