@@ -2,18 +2,19 @@
 
 mod verify;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Parser, Subcommand};
+use scene::file::is_same_file;
 use visibility::hemicube::MAX_RESOLUTION;
 
 use crate::quantity::{parse_duration, parse_size};
 use crate::settings::{
     BackendChoice, ClosedForms, FormFactorSettings, LampViews, Maps, Points, Settings,
-    SolverChoice, SourceArea, Turns,
+    SolutionSettings, SolverChoice, SourceArea, Turns,
 };
 
 /// Solves a scene by hemicube radiosity.
@@ -75,11 +76,11 @@ struct Arguments {
     /// Where a patch's hemicubes stand: auto (one, or three and more where other surfaces are near),
     /// centroid, vertices, or N points of equal weight: 1, 2, 4 ... 1024 centroids of equal areas, or 3,
     /// 6, 12 ... 3072 by a rule of higher order
-    #[arg(long, default_value = "auto", value_parser = parse_points)]
+    #[arg(long, default_value = "auto")]
     points: Points,
     /// Hemicubes are turned about their normals, each by its own angle: a number picks the angles, "aligned"
     /// turns none
-    #[arg(long, default_value = "0", value_name = "SEED", value_parser = parse_turns)]
+    #[arg(long, default_value = "0", value_name = "SEED")]
     seed: Turns,
     /// Exact views of lamps beside the hemicube: of those that matter, none, or all
     #[arg(long, default_value = "auto", value_parser = choice(&[
@@ -93,7 +94,7 @@ struct Arguments {
     /// Join patches to sources of at most A m^2, solve among these, then let each patch gather from them: patches
     /// (one level), auto (in scenes of more than 65536 patches sources as coarse as an estimated error of 0.5
     /// percent allows), or A
-    #[arg(long, default_value = "auto", value_name = "A", value_parser = parse_source_area)]
+    #[arg(long, default_value = "auto", value_name = "A")]
     source_area: SourceArea,
     /// Stop after N iterations, those that IN has had included
     #[arg(long, value_name = "N")]
@@ -179,17 +180,19 @@ fn settings(arguments: Arguments) -> Settings {
     Settings {
         input: arguments.input,
         output: arguments.output,
-        form_factors: FormFactorSettings {
-            resolution: arguments.resolution,
-            maps: arguments.maps,
-            points: arguments.points,
-            turns: arguments.seed,
+        solution: SolutionSettings {
+            form_factors: FormFactorSettings {
+                resolution: arguments.resolution,
+                maps: arguments.maps,
+                points: arguments.points,
+                turns: arguments.seed,
+            },
+            lamps: arguments.lamps,
+            closed_forms: arguments.closed_forms,
+            source_area: arguments.source_area,
+            solver: arguments.solver,
         },
-        lamps: arguments.lamps,
-        closed_forms: arguments.closed_forms,
-        source_area: arguments.source_area,
         backend: arguments.backend,
-        solver: arguments.solver,
         max_iterations: arguments.iterations,
         tolerance: arguments.tolerance,
         time_limit: arguments.time_limit,
@@ -238,20 +241,6 @@ impl Arguments {
     }
 }
 
-/// By where their names lead, links followed; a file that is not there yet by its folder and name.
-fn is_same_file(a: &Path, b: &Path) -> bool {
-    let resolve = |path: &Path| {
-        path.canonicalize().or_else(|_| {
-            let folder = path
-                .parent()
-                .filter(|folder| !folder.as_os_str().is_empty());
-            let folder = folder.unwrap_or(Path::new(".")).canonicalize()?;
-            std::io::Result::Ok(folder.join(path.file_name().unwrap_or_default()))
-        })
-    };
-    a == b || matches!((resolve(a), resolve(b)), (Ok(a), Ok(b)) if a == b)
-}
-
 /// A parser of one of a few words, which help and errors list.
 fn choice<T: Copy + Send + Sync + 'static>(
     choices: &'static [(&'static str, T)],
@@ -276,51 +265,6 @@ pub fn parse_resolution(text: &str) -> Result<u32, String> {
     }
 }
 
-fn parse_points(text: &str) -> Result<Points, String> {
-    let most = 1_u32 << Points::MAX_BISECTIONS;
-    match text {
-        "auto" => Ok(Points::Auto),
-        "centroid" => Ok(Points::CENTROID),
-        "vertices" => Ok(Points::Vertices),
-        _ => match text.parse::<u32>() {
-            Ok(n) if n.is_power_of_two() && n <= most => Ok(Points::Bisected {
-                bisections: n.trailing_zeros(),
-            }),
-            Ok(n) if n.is_multiple_of(3) && (n / 3).is_power_of_two() && n / 3 <= most => {
-                Ok(Points::ThreePoint {
-                    bisections: (n / 3).trailing_zeros(),
-                })
-            }
-            _ => Err(format!(
-                "\"{text}\" is none of auto, centroid, vertices, a power of two from 1 to {most}, or \
-                 three times that"
-            )),
-        },
-    }
-}
-
-fn parse_turns(text: &str) -> Result<Turns, String> {
-    match (text, text.parse::<u32>()) {
-        ("aligned", _) => Ok(Turns::Aligned),
-        (_, Ok(seed)) => Ok(Turns::Seeded(seed)),
-        _ => Err(format!(
-            "\"{text}\" is neither aligned nor a whole number from 0 to {}",
-            u32::MAX
-        )),
-    }
-}
-
-fn parse_source_area(text: &str) -> Result<SourceArea, String> {
-    match (text, text.parse::<f64>()) {
-        ("auto", _) => Ok(SourceArea::Auto),
-        ("patches", _) => Ok(SourceArea::Patches),
-        (_, Ok(area)) if area > 0.0 => Ok(SourceArea::AtMost(area)),
-        _ => Err(format!(
-            "\"{text}\" is none of auto, patches and an area above 0 m^2"
-        )),
-    }
-}
-
 fn parse_tolerance(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
@@ -335,39 +279,6 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         CommandLine::command().debug_assert();
-    }
-
-    #[test]
-    fn points_read_back_as_they_show() {
-        for text in [
-            "auto", "centroid", "vertices", "2", "3", "64", "96", "1024", "3072",
-        ] {
-            assert_eq!(parse_points(text).unwrap().to_string(), text);
-        }
-        assert_eq!(parse_points("1"), Ok(Points::CENTROID));
-        for bad in ["0", "5", "9", "2048", "6144", "-1", "middle", ""] {
-            assert!(parse_points(bad).is_err(), "{bad}");
-        }
-    }
-
-    #[test]
-    fn source_areas_read_back_as_they_show() {
-        for text in ["auto", "patches", "0.25", "inf"] {
-            assert_eq!(parse_source_area(text).unwrap().to_string(), text);
-        }
-        for bad in ["0", "-1", "nan", "none", ""] {
-            assert!(parse_source_area(bad).is_err(), "{bad}");
-        }
-    }
-
-    #[test]
-    fn turns_read_back_as_they_show() {
-        for text in ["aligned", "0", "7", "4294967295"] {
-            assert_eq!(parse_turns(text).unwrap().to_string(), text);
-        }
-        for bad in ["4294967296", "-1", "0.5", "on", ""] {
-            assert!(parse_turns(bad).is_err(), "{bad}");
-        }
     }
 
     #[test]

@@ -16,7 +16,7 @@ use crate::certificate::Certificate;
 use crate::quantity::{show_duration, show_size};
 use crate::row_cache::RowCache;
 use crate::rows::UNITS_PER_ONE;
-use crate::settings::{ClosedForms, LampViews, Maps, Settings, SolverChoice};
+use crate::settings::{Settings, SolutionSettings};
 use crate::solver::convergence::Convergence;
 
 /// Why a run ended.
@@ -101,25 +101,12 @@ pub struct Report {
     pub stopped_by: StoppedBy,
 }
 
-/// The settings that matter for the result.
+/// What was asked for.
 #[derive(Clone, Debug, Serialize)]
 pub struct SettingsReport {
-    /// Pixels along a face.
-    pub resolution: u32,
-    /// Multipliers.
-    pub maps: Maps,
-    /// Hemicubes' places.
-    pub points: String,
-    /// How hemicubes are turned: a seed, or "aligned".
-    pub seed: String,
-    /// Views of lamps.
-    pub lamps: LampViews,
-    /// Formulas.
-    pub closed_forms: ClosedForms,
-    /// How coarse sources were to be.
-    pub source_area: String,
-    /// Solver.
-    pub solver: SolverChoice,
+    /// What decides the solution, each field one of this object.
+    #[serde(flatten)]
+    pub solution: SolutionSettings,
     /// Relative residual to stop at.
     pub tolerance: f64,
     /// Iterations to stop at.
@@ -424,14 +411,7 @@ impl SettingsReport {
     /// The settings of a run on so many threads.
     pub fn new(settings: &Settings, threads: usize) -> Self {
         Self {
-            resolution: settings.form_factors.resolution,
-            maps: settings.form_factors.maps,
-            points: settings.form_factors.points.to_string(),
-            seed: settings.form_factors.turns.to_string(),
-            lamps: settings.lamps,
-            closed_forms: settings.closed_forms,
-            source_area: settings.source_area.to_string(),
-            solver: settings.solver,
+            solution: settings.solution,
             tolerance: settings.tolerance,
             iterations: settings.max_iterations,
             time_limit_seconds: settings.time_limit.map(|limit| limit.as_secs_f64()),

@@ -1,6 +1,7 @@
 //! A whole run: load, solve with checkpoints, write, report.
 
 mod levels;
+mod start;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -20,10 +21,10 @@ use crate::progress::{Position, Progress};
 use crate::quantity::show_size;
 use crate::report::{self, BackendReport, Report, RowsReport, Seconds, SettingsReport, StoppedBy};
 use crate::row_cache::{RowCache, RowStatistics};
-use crate::settings::{BackendChoice, ClosedForms, Settings, SolverChoice, SourceArea};
+use crate::settings::{BackendChoice, ClosedForms, Settings, SolverChoice};
 use crate::solver::convergence::Convergence;
 use crate::solver::{Gather, Shoot, Solver, Update, ambient_radiosity};
-use crate::{certificate, form_factors_csv, interrupt, two_levels, unlit, view_factors};
+use crate::{certificate, form_factors_csv, interrupt, unlit, view_factors};
 use levels::Solved;
 
 /// Does what was asked for, and says on standard error what a user should know on the way.
@@ -146,7 +147,7 @@ impl<'a> Run<'a> {
             iterations: solution.provenance.iterations,
             iterations_before,
             next_iteration_share: solution.next_iteration_share(),
-            convergence: Convergence::new(settings.solver, &solution.provenance.residuals),
+            convergence: Convergence::new(settings.solution.solver, &solution.provenance.residuals),
             residuals: solution.provenance.residuals,
             ambient_radiosity: ambient_radiosity.map(Into::into),
             energy,
@@ -168,7 +169,7 @@ impl<'a> Run<'a> {
     fn hemicubes<'s>(&mut self, scene: &'s Scene, sources: &'s Scene) -> Hemicubes<'s> {
         let opening = Instant::now();
         let drawable = Arc::new(Drawable::new(sources));
-        let hemicubes = Hemicubes::between(scene, &drawable, self.settings.form_factors);
+        let hemicubes = Hemicubes::between(scene, &drawable, self.settings.solution.form_factors);
         self.seconds.open += opening.elapsed().as_secs_f64();
         hemicubes
     }
@@ -196,15 +197,14 @@ impl<'a> Run<'a> {
         {
             eprintln!("compute: {remark}");
         }
-        let source = with_lamps(hemicubes, self.settings.lamps, source);
+        let source = with_lamps(hemicubes, self.settings.solution.lamps, source);
         Ok((name, RowCache::new(hemicubes, source, memory_bytes)))
     }
 
     /// Rows that are formulas, where they may be.
     fn closed_forms<'s>(&self, hemicubes: &Arc<Hemicubes<'s>>) -> Option<ConvexRows<'s>> {
-        let settings = self.settings;
-        let are_wanted =
-            settings.closed_forms == ClosedForms::Auto && settings.backend == BackendChoice::Auto;
+        let are_wanted = self.settings.solution.closed_forms == ClosedForms::Auto
+            && self.settings.backend == BackendChoice::Auto;
         are_wanted.then(|| ConvexRows::new(hemicubes)).flatten()
     }
 
@@ -229,38 +229,6 @@ impl<'a> Run<'a> {
             view_factors::save(path, scene, rows)?;
         }
         Ok(())
-    }
-
-    /// The state to go on from: the file's own where it was made with the same settings, else its
-    /// irradiances alone.
-    fn start_from(&self, scene: &Scene, solution: Option<Solution>) -> Solution {
-        let mut description = describe(self.settings, scene);
-        let on_one_level = format!("{description}{}", levels::ONE_LEVEL);
-        if solution
-            .as_ref()
-            .is_some_and(|s| s.provenance.settings == on_one_level)
-        {
-            description = on_one_level;
-        }
-        let fresh = solution.is_none();
-        let mut solution = solution.unwrap_or_else(|| Solution::dark(scene));
-        if !fresh && solution.provenance.settings != description {
-            eprintln!(
-                "compute: {} was solved with other settings ({}); its radiosities are the start",
-                self.settings.input.display(),
-                solution.provenance.settings,
-            );
-            solution.unfinished = None;
-            solution.provenance.sources = None;
-            solution.unshot = None;
-            solution.remainder = None;
-            // They tell nothing about these settings, neither now nor in a file that is continued
-            // before these settings have done an iteration.
-            solution.provenance.residuals.clear();
-        }
-        solution.provenance.solver = self.settings.solver.to_string();
-        solution.provenance.settings = description;
-        solution
     }
 
     /// Iterates until something says stop.
@@ -403,34 +371,6 @@ fn solver(choice: SolverChoice, scene: &Scene, start: Solution) -> Box<dyn Solve
         SolverChoice::GaussSeidel => Box::new(Gather::new(problem, Update::AtOnce, start)),
         SolverChoice::Shooting => Box::new(Shoot::new(problem, start)),
     }
-}
-
-/// The settings on which the result depends; a file made with the same, and with the same back end, goes
-/// on bit for bit.
-fn describe(settings: &Settings, scene: &Scene) -> String {
-    let form_factors = settings.form_factors;
-    let sources = match settings.source_area {
-        SourceArea::Auto => String::new(),
-        // As auto has it.
-        SourceArea::Patches if scene.patch_count() <= two_levels::MOST_ON_ONE_LEVEL => {
-            String::new()
-        }
-        area => format!(", sources {area}"),
-    };
-    let closed_forms = match settings.closed_forms {
-        ClosedForms::Auto => "",
-        ClosedForms::Off => ", no closed forms",
-    };
-    format!(
-        "{}, {} pixels, {:?} maps, points {}, seed {}, lamps {:?}{sources}{closed_forms}",
-        settings.solver,
-        form_factors.resolution,
-        form_factors.maps,
-        form_factors.points,
-        form_factors.turns,
-        settings.lamps
-    )
-    .to_lowercase()
 }
 
 fn write_report(path: &Path, report: &Report) -> anyhow::Result<()> {

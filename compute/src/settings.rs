@@ -1,9 +1,13 @@
 //! What a run is asked to do: plain, checked values, whatever they were given as.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 use std::time::Duration;
 
-use serde::Serialize;
+use scene::RecordedSettings;
+use serde::{Serialize, Serializer};
+
+use crate::two_levels::MOST_ON_ONE_LEVEL;
 
 /// Where on a patch its hemicubes stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,6 +48,33 @@ impl std::fmt::Display for Points {
     }
 }
 
+impl FromStr for Points {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let most = 1_u32 << Self::MAX_BISECTIONS;
+        match text {
+            "auto" => Ok(Self::Auto),
+            "centroid" => Ok(Self::CENTROID),
+            "vertices" => Ok(Self::Vertices),
+            _ => match text.parse::<u32>() {
+                Ok(n) if n.is_power_of_two() && n <= most => Ok(Self::Bisected {
+                    bisections: n.trailing_zeros(),
+                }),
+                Ok(n) if n.is_multiple_of(3) && (n / 3).is_power_of_two() && n / 3 <= most => {
+                    Ok(Self::ThreePoint {
+                        bisections: (n / 3).trailing_zeros(),
+                    })
+                }
+                _ => Err(format!(
+                    "\"{text}\" is none of auto, centroid, vertices, a power of two from 1 to {most}, or \
+                     three times that"
+                )),
+            },
+        }
+    }
+}
+
 /// Which multipliers the pixels have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -73,6 +104,21 @@ impl std::fmt::Display for Turns {
         match self {
             Self::Aligned => f.write_str("aligned"),
             Self::Seeded(seed) => write!(f, "{seed}"),
+        }
+    }
+}
+
+impl FromStr for Turns {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match (text, text.parse()) {
+            ("aligned", _) => Ok(Self::Aligned),
+            (_, Ok(seed)) => Ok(Self::Seeded(seed)),
+            _ => Err(format!(
+                "\"{text}\" is neither aligned nor a whole number from 0 to {}",
+                u32::MAX
+            )),
         }
     }
 }
@@ -123,16 +169,6 @@ pub enum SolverChoice {
     Shooting,
 }
 
-impl std::fmt::Display for SolverChoice {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Jacobi => "jacobi",
-            Self::GaussSeidel => "gauss-seidel",
-            Self::Shooting => "shooting",
-        })
-    }
-}
-
 /// How coarse sources are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SourceArea {
@@ -155,8 +191,35 @@ impl std::fmt::Display for SourceArea {
     }
 }
 
+impl FromStr for SourceArea {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match (text, text.parse::<f64>()) {
+            ("auto", _) => Ok(Self::Auto),
+            ("patches", _) => Ok(Self::Patches),
+            (_, Ok(area)) if area > 0.0 => Ok(Self::AtMost(area)),
+            _ => Err(format!(
+                "\"{text}\" is none of auto, patches and an area above 0 m^2"
+            )),
+        }
+    }
+}
+
+/// Files and reports have these as the command line has them.
+macro_rules! serialize_as_shown {
+    ($($setting:ty),*) => {$(
+        impl Serialize for $setting {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                serializer.collect_str(self)
+            }
+        }
+    )*};
+}
+serialize_as_shown!(Points, Turns, SourceArea);
+
 /// What decides the form factors.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct FormFactorSettings {
     /// Pixels along a hemicube's face: even, 2 to 4096.
     pub resolution: u32,
@@ -165,6 +228,7 @@ pub struct FormFactorSettings {
     /// Where a patch's hemicubes stand.
     pub points: Points,
     /// How they are turned.
+    #[serde(rename = "seed")]
     pub turns: Turns,
 }
 
@@ -180,14 +244,12 @@ impl FormFactorSettings {
     }
 }
 
-/// Everything `compute` is asked to do.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
-    /// The scene, with or without a solution to go on from.
-    pub input: PathBuf,
-    /// Where the solution goes; may be `input`.
-    pub output: PathBuf,
+/// What decides a solution: a file made with the same, and by the same back end, goes on bit for bit. The names
+/// and values are those of the command line, of the report and of the provenance in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SolutionSettings {
     /// What decides the form factors.
+    #[serde(flatten)]
     pub form_factors: FormFactorSettings,
     /// Which lamps get a view of their own.
     pub lamps: LampViews,
@@ -195,10 +257,35 @@ pub struct Settings {
     pub closed_forms: ClosedForms,
     /// How coarse sources are.
     pub source_area: SourceArea,
-    /// Who draws.
-    pub backend: BackendChoice,
     /// Who solves.
     pub solver: SolverChoice,
+}
+
+impl SolutionSettings {
+    /// What the file of a scene of so many patches says of them: what makes no difference there is the same.
+    pub fn recorded(self, patches: u32) -> RecordedSettings {
+        let source_area = match self.source_area {
+            SourceArea::Patches if patches <= MOST_ON_ONE_LEVEL => SourceArea::Auto,
+            area => area,
+        };
+        RecordedSettings::new(&Self {
+            source_area,
+            ..self
+        })
+    }
+}
+
+/// Everything `compute` is asked to do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// The scene, with or without a solution to go on from.
+    pub input: PathBuf,
+    /// Where the solution goes; may be `input`.
+    pub output: PathBuf,
+    /// What decides the solution.
+    pub solution: SolutionSettings,
+    /// Who draws.
+    pub backend: BackendChoice,
     /// Stop after this many iterations, those of a continued file included.
     pub max_iterations: Option<u64>,
     /// Stop at this relative residual.
@@ -219,4 +306,68 @@ pub struct Settings {
     pub view_factors_csv: Option<PathBuf>,
     /// Whether a certificate beyond its tolerances is a failure.
     pub strict: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fmt::{Debug, Display};
+
+    use super::*;
+
+    /// What is read shows as it was written, in files too; what is not is an error.
+    fn reads_back<T>(good: &[&str], bad: &[&str])
+    where
+        T: FromStr<Err = String> + Display + Serialize + Debug,
+    {
+        for text in good {
+            let setting: T = text.parse().unwrap();
+            assert_eq!(setting.to_string(), *text);
+            assert_eq!(serde_json::to_value(setting).unwrap(), *text);
+        }
+        for text in bad {
+            assert!(text.parse::<T>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn points_seeds_and_areas_read_back_as_they_show() {
+        reads_back::<Points>(
+            &[
+                "auto", "centroid", "vertices", "2", "3", "64", "96", "1024", "3072",
+            ],
+            &["0", "5", "9", "2048", "6144", "-1", "middle", ""],
+        );
+        assert_eq!("1".parse(), Ok(Points::CENTROID));
+        reads_back::<Turns>(
+            &["aligned", "0", "7", "4294967295"],
+            &["4294967296", "-1", "0.5", "on", ""],
+        );
+        reads_back::<SourceArea>(
+            &["auto", "patches", "0.25", "inf"],
+            &["0", "-1", "nan", "none", ""],
+        );
+    }
+
+    #[test]
+    fn only_in_large_scenes_patches_are_other_sources_than_automatic_ones() {
+        let recorded = |source_area, patches| {
+            let settings = SolutionSettings {
+                form_factors: FormFactorSettings::new(128),
+                lamps: LampViews::Auto,
+                closed_forms: ClosedForms::Auto,
+                source_area,
+                solver: SolverChoice::Jacobi,
+            };
+            settings.recorded(patches)
+        };
+        for (patches, differing) in [(MOST_ON_ONE_LEVEL, 0), (MOST_ON_ONE_LEVEL + 1, 1)] {
+            let automatic = recorded(SourceArea::Auto, patches);
+            let by_patches = recorded(SourceArea::Patches, patches);
+            let differences = automatic.differences(&by_patches);
+            assert_eq!(differences.len(), differing);
+            assert!(differences.iter().all(|d| d.name == "source_area"));
+            let coarse = recorded(SourceArea::AtMost(0.5), patches);
+            assert_eq!(automatic.differences(&coarse).len(), 1);
+        }
+    }
 }

@@ -11,7 +11,7 @@
 //! The flood goes over regions ([`visibility::regions`]), of which there are few. Emitters keep their rows,
 //! since they tell how much light leaves the scene, and are shot. Left out is what has no light in the state that a run starts from either, so that no bit of any iteration changes.
 
-use scene::{Rgb, Solution};
+use scene::{Level, Rgb, Solution, State};
 use visibility::Drawable;
 use visibility::facets::facets;
 
@@ -36,11 +36,17 @@ pub fn unlit(hemicubes: &Hemicubes, start: &Solution) -> Option<Vec<bool>> {
 
 /// True where no patch of these has light in a solution.
 fn is_dark(solution: &Solution, patches: &[bool]) -> bool {
-    let unfinished = solution.unfinished.as_ref().map(|u| &u.irradiance);
-    let unshot = solution.unshot.as_ref();
-    [Some(&solution.irradiance), unfinished, unshot]
+    let under_way: &[Rgb] = match &solution.state {
+        State::AtRest => &[],
+        State::Unfinished { irradiance } => irradiance,
+        State::Shooting { unshot, .. } => unshot,
+    };
+    let gathered: &[Rgb] = match &solution.provenance.level {
+        Level::Gathering { gathered, .. } => gathered,
+        _ => &[],
+    };
+    [&solution.irradiance, under_way, gathered]
         .into_iter()
-        .flatten()
         .all(|values| {
             let mut values = values.iter().zip(patches);
             values.all(|(&value, &is_meant)| !is_meant || value == Rgb::ZERO)

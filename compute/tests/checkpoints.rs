@@ -11,7 +11,7 @@ use common::{
     bits, files, folder, load, save, signal, solve, start, start_endless, stderr, stdout,
     wait_for_lock,
 };
-use scene::{Scene, Solution};
+use scene::{Level, Scene, Solution, State};
 
 const SOLVERS: [&str; 3] = ["jacobi", "gauss-seidel", "shooting"];
 
@@ -22,13 +22,14 @@ fn room() -> Scene {
 
 /// All bits a run goes on from, and the iterations it has had.
 fn state(solution: &Solution) -> (Vec<Vec<[u32; 3]>>, u64) {
-    let arrays = [
-        Some(&solution.irradiance),
-        solution.unfinished.as_ref().map(|u| &u.irradiance),
-        solution.unshot.as_ref(),
-    ];
-    let arrays = arrays.map(|values| values.map_or_else(Vec::new, |v| bits(v)));
-    (arrays.into(), solution.provenance.iterations)
+    let mut arrays = vec![&solution.irradiance];
+    match &solution.state {
+        State::AtRest => {}
+        State::Unfinished { irradiance } => arrays.push(irradiance),
+        State::Shooting { unshot, remainder } => arrays.extend([unshot, remainder]),
+    }
+    let arrays = arrays.into_iter().map(|values| bits(values));
+    (arrays.collect(), solution.provenance.iterations)
 }
 
 #[track_caller]
@@ -60,6 +61,12 @@ fn stopped_by_iterations_and_continued_is_as_never_stopped() {
     }
 }
 
+/// Whether an iteration, or the gathering of all patches from sources, was stopped on its way.
+fn is_unfinished(solution: &Solution) -> bool {
+    matches!(solution.state, State::Unfinished { .. })
+        || matches!(solution.provenance.level, Level::Gathering { .. })
+}
+
 /// Solves `in.rad` into `part.rad` by runs of `limit_ms` milliseconds, IN = OUT, on changing numbers of threads, until
 /// one is done: how many, and how many that left an unfinished iteration.
 fn solve_in_parts(
@@ -80,7 +87,7 @@ fn solve_in_parts(
         let output = solve(folder, &arguments);
         runs += 1;
         let solution = load(folder, "part.rad");
-        unfinished_runs += usize::from(solution.unfinished.is_some());
+        unfinished_runs += usize::from(is_unfinished(&solution));
         if !stdout(&output).contains("stopped by --time-limit") {
             return (runs, unfinished_runs);
         }
@@ -162,7 +169,7 @@ fn iterations_among_sources_count_when_a_gathered_solution_goes_on() {
         );
         let solution = load(folder.path(), "out.rad");
         assert_eq!(solution.provenance.iterations, iterations, "{output}");
-        assert!(solution.provenance.sources.is_none());
+        assert_eq!(solution.provenance.level, Level::Patches);
         // Of iterations among sources that are solved anew nothing else is known.
         done += solution.provenance.residuals.len() as u64;
         assert_eq!(done, iterations, "{output}");
@@ -401,14 +408,10 @@ fn other_settings_keep_the_radiosities_as_the_start_and_say_so() {
     let before = coarse.provenance.iterations;
 
     let output = solve(folder.path(), &["coarse.rad", "fine.rad", "64"]);
-    let said = stderr(&output);
-    for part in [
-        "coarse.rad was solved with other settings",
-        "32 pixels",
-        "its radiosities are the start",
-    ] {
-        assert!(said.contains(part), "{part} is missing in {said}");
-    }
+    assert_eq!(
+        stderr(&output),
+        "compute: coarse.rad was solved with resolution 32, now 64; its radiosities are the start\n"
+    );
     let fine = load(folder.path(), "fine.rad");
     solve(folder.path(), &["in.rad", "from_dark.rad", "64"]);
     let from_dark = load(folder.path(), "from_dark.rad").provenance.iterations;
@@ -468,4 +471,77 @@ fn regression_residuals_of_other_settings_end_nothing() {
         assert!(continued.provenance.iterations > before, "{settings:?}");
         assert_same(&continued, &whole, &format!("{settings:?}"));
     }
+}
+
+#[test]
+fn all_settings_that_differ_are_named_and_no_others() {
+    let folder = folder();
+    save(folder.path(), "in.rad", &common::furnace(0.5, 1.0, 0.5));
+    let first = ["in.rad", "a.rad", "8", "--points", "centroid"];
+    solve(folder.path(), &first);
+    for (settings, told) in [
+        (&["--points", "1", "--source-area", "patches"][..], None),
+        (
+            &["--seed", "7", "--threads", "1", "--tolerance", "1e-3"],
+            Some("points centroid and seed 0, now auto and 7"),
+        ),
+        (
+            &[
+                "--points",
+                "centroid",
+                "--maps",
+                "thesis",
+                "--solver",
+                "shooting",
+                "--lamps",
+                "off",
+                "--closed-forms",
+                "off",
+                "--source-area",
+                "0.5",
+            ],
+            Some(
+                "closed_forms auto, lamps auto, maps exact, solver jacobi and source_area auto, now off, off, thesis, \
+                 shooting and 0.5",
+            ),
+        ),
+    ] {
+        let output = solve(
+            folder.path(),
+            &[&["a.rad", "b.rad", "8"][..], settings].concat(),
+        );
+        let told = told.map_or_else(String::new, |told| {
+            format!("compute: a.rad was solved with {told}; its radiosities are the start\n")
+        });
+        assert_eq!(stderr(&output), told);
+    }
+}
+
+#[test]
+fn file_of_version_1_is_a_start_and_says_so() {
+    let folder = folder();
+    let version_1 = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scene/tests/data/version-1.rad");
+    std::fs::copy(version_1, folder.path().join("old.rad")).unwrap();
+    let start = load(folder.path(), "old.rad");
+    assert_eq!(start.provenance.iterations, 3);
+    // Its solver was shooting, which could go on if the file said so.
+    let arguments = ["old.rad", "new.rad", "8", "--solver", "shooting"];
+    let said = stderr(&solve(
+        folder.path(),
+        &[&arguments[..], &["--time-limit", "0s"]].concat(),
+    ));
+    assert_eq!(
+        said,
+        "compute: old.rad is of an older version, which does not say how it was solved; its radiosities are the start\n"
+    );
+    let stopped = load(folder.path(), "new.rad");
+    assert_eq!(bits(&stopped.irradiance), bits(&start.irradiance));
+    assert_eq!(stopped.provenance.iterations, 3);
+    // From then on it is a file like others.
+    let output = solve(
+        folder.path(),
+        &["new.rad", "new.rad", "8", "--solver", "shooting"],
+    );
+    assert_eq!(stderr(&output), "");
+    assert!(load(folder.path(), "new.rad").provenance.iterations > 3);
 }

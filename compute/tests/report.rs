@@ -87,6 +87,10 @@ fn report_has_every_field_of_the_contract() {
         ("/output", "out.rad"),
         ("/settings/maps", "exact"),
         ("/settings/points", "2"),
+        ("/settings/seed", "0"),
+        ("/settings/lamps", "auto"),
+        ("/settings/closed_forms", "auto"),
+        ("/settings/source_area", "auto"),
         ("/settings/solver", "gauss-seidel"),
         ("/backend/name", "cpu"),
         ("/backend/adapter", "cpu, 2 threads"),
@@ -95,6 +99,14 @@ fn report_has_every_field_of_the_contract() {
     ] {
         let found = report.pointer(path).and_then(Value::as_str);
         assert_eq!(found, Some(expected), "{path}");
+    }
+    // What decides the solution is in its file too, in the same words.
+    let recorded = load(folder.path(), "out.rad").provenance.settings;
+    let recorded = serde_json::to_value(recorded).unwrap();
+    let recorded = recorded.as_object().unwrap();
+    assert_eq!(recorded.len(), 8);
+    for (name, value) in recorded {
+        assert_eq!(report["settings"][name], *value, "{name}");
     }
     assert!(number(&report, "/rows/kept_bytes") > 8.0 * patches);
     assert!((2.0..8.0).contains(&number(&report, "/rows/bytes_per_entry")));

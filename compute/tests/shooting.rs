@@ -9,7 +9,7 @@ use common::methods::{
 use compute::problem::Problem;
 use compute::solver::ambient_radiosity;
 use glam::DVec3;
-use scene::Solution;
+use scene::{Solution, State};
 
 /// A shot takes its power from the unshot, and gives back rho times that at most. The shooter has
 /// the most, at least the mean.
@@ -48,7 +48,9 @@ fn unshot_power_counted_on_the_way_is_that_of_the_state() {
     let mut solver = solver(Method::Shooting, &scene, Solution::dark(&scene));
     for _ in 0..40 {
         iterate(solver.as_mut(), &mut rows, 97);
-        let unshot = solver.snapshot().unshot.unwrap();
+        let State::Shooting { unshot, .. } = solver.snapshot().state else {
+            panic!("shooting has a state of its own")
+        };
         let powers = unshot.iter().zip(&areas);
         let power: f64 = powers
             .map(|(b, area)| area * b.as_dvec3().abs().element_sum())

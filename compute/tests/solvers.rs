@@ -8,7 +8,7 @@ use common::methods::{
     shooting_factors, solver,
 };
 use glam::DVec3;
-use scene::{Rgb, Solution};
+use scene::{Rgb, Solution, State};
 
 /// The furnace: E and rho alike everywhere, so B = E / (1 - rho), whatever the mesh. Rows sum to
 /// exactly 1, so this holds of every patch for gathering, and of the power for shooting, up to
@@ -324,9 +324,7 @@ fn a_solution_continued_with_another_solver_converges_to_the_same() {
             iterate(before.as_mut(), &mut rows, 10);
             // As the program does where settings differ.
             let mut start = before.snapshot();
-            start.unfinished = None;
-            start.unshot = None;
-            start.remainder = None;
+            start.state = State::AtRest;
             start.provenance.residuals.clear();
             let mut after = solver(second, &scene, start);
             assert_eq!(after.iterations(), 10);
@@ -373,13 +371,13 @@ fn an_iteration_goes_on_in_other_batches_with_the_same_bits() {
         let whole = advance(method, 2, Solution::dark(&scene), &two_iterations);
         let mut solution = Solution::dark(&scene);
         for (threads, rows_more) in [(1, 1), (5, 64), (3, 1), (1, 1)] {
-            let before = solution
-                .unfinished
-                .as_ref()
-                .map_or(0, |u| u.irradiance.len());
+            let done = |s: &Solution| match &s.state {
+                State::Unfinished { irradiance } => irradiance.len(),
+                _ => 0,
+            };
+            let before = done(&solution);
             solution = advance(method, threads, solution, &|s: &Solution| {
-                let unfinished = s.unfinished.as_ref();
-                unfinished.is_some_and(|u| u.irradiance.len() >= before + rows_more)
+                done(s) >= before + rows_more
             });
             assert_eq!(solution.provenance.iterations, 0);
         }

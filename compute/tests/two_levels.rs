@@ -14,7 +14,7 @@ use compute::row_cache::RowCache;
 use compute::settings::{FormFactorSettings, LampViews};
 use compute::solver::{Gather, Solver, Update};
 use compute::two_levels::{self, GatherOnce, OnSources};
-use scene::{Rgb, Scene, Solution};
+use scene::{Level, Rgb, Scene, Solution};
 use visibility::Drawable;
 
 const RESOLUTION: u32 = 64;
@@ -55,7 +55,7 @@ fn two_levels(scene: &Scene, area: f64, coarser: Option<&Solution>) -> (Solution
             .unwrap()
             .unwrap()
     });
-    let mut gather = GatherOnce::new(scene, &sources, solved.clone());
+    let mut gather = GatherOnce::new(scene, &sources, area, solved.clone());
     let mut rows = rows(scene, &sources);
     while !gather.step(&mut rows).unwrap().ends_iteration {}
     (gather.snapshot(), solved, estimate)
@@ -153,7 +153,7 @@ fn stopped_by_time_and_continued_is_as_never_stopped() {
             &[&["in.rad", "whole.rad"], &settings[..]].concat(),
         );
         let whole = load(folder.path(), "whole.rad");
-        assert_eq!(whole.provenance.sources, None);
+        assert_eq!(whole.provenance.level, Level::Patches);
         std::fs::copy(folder.path().join("in.rad"), folder.path().join("part.rad")).unwrap();
         let mut limit_ms = 6.0;
         let (mut runs, mut among_sources, mut gathering) = (0, 0, 0);
@@ -168,11 +168,12 @@ fn stopped_by_time_and_continued_is_as_never_stopped() {
             if !stdout(&output).contains("stopped by --time-limit") {
                 break;
             }
-            if let Some(sources) = load(folder.path(), "part.rad").provenance.sources {
-                assert_eq!(sources.max_area.to_bits(), 0.4_f64.to_bits());
-                among_sources += u32::from(!sources.is_gathering);
-                gathering += u32::from(sources.is_gathering);
+            let level = load(folder.path(), "part.rad").provenance.level;
+            if let Some(area) = level.source_area() {
+                assert_eq!(area.to_bits(), 0.4_f64.to_bits());
             }
+            among_sources += u32::from(matches!(level, Level::Sources { .. }));
+            gathering += u32::from(matches!(level, Level::Gathering { .. }));
             if std::fs::read(folder.path().join("part.rad")).unwrap() == before {
                 limit_ms *= 1.5;
             }
@@ -206,7 +207,7 @@ fn a_result_of_two_levels_is_not_solved_again() {
     );
     let second = load(folder.path(), "out.rad").provenance;
     assert!(second.iterations > first.provenance.iterations);
-    assert_eq!(second.sources, None);
+    assert_eq!(second.level, Level::Patches);
 }
 
 /// More patches than are solved on one level, at few pixels. Of a solution among other sources only the irradiances
@@ -237,7 +238,10 @@ fn the_largest_scenes_choose_their_sources() {
         assert_eq!(sources["gathered_share"], 1.0);
         // Those of the sources that were tried before are counted too.
         assert!(report["hemicubes_drawn"].as_u64().unwrap() > u64::from(patches + count));
-        assert_eq!(load(folder.path(), "out.rad").provenance.sources, None);
+        assert_eq!(
+            load(folder.path(), "out.rad").provenance.level,
+            Level::Patches
+        );
     }
     for error in &errors {
         assert!(*error <= two_levels::MOST_ERROR, "{errors:?}");

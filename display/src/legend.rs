@@ -8,13 +8,14 @@
 //! has no legend.
 
 use scene::Rgb;
+use scene::srgb::decode;
 
 use crate::number;
 use crate::scale::luminance;
 use crate::settings::{Quantity, Range, Size};
 use crate::text::{Canvas, Typeface};
 use crate::ticks::ticks;
-use crate::tone::{Tone, decode};
+use crate::tone::Tone;
 
 /// Rows of the picture for each pixel of letter size.
 const ROWS_PER_LETTER_SIZE: f32 = 40.0;

@@ -1,8 +1,9 @@
 //! What a run is asked to do: plain, checked values, whatever they were given as.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use glam::DVec3;
+use scene::file::is_same_file;
 
 /// The longest side of a picture, pixels.
 pub const MAX_SIDE: u32 = 16_384;
@@ -229,11 +230,6 @@ impl Settings {
         }
         Ok(())
     }
-}
-
-/// Whether two paths name one file, by whatever way.
-fn is_same_file(a: &Path, b: &Path) -> bool {
-    a == b || matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
 /// Settings that cannot be.

@@ -9,9 +9,9 @@ use std::path::{Path, PathBuf};
 
 use common::{closed_cube, lit_room, solution};
 use display::scale::luminance;
-use display::tone::decode;
 use display::{Mode, Quantity, Range, RenderSettings, Size, output, patch_colors, render};
 use image::{DynamicImage, RgbImage};
+use scene::srgb::decode;
 use scene::{PatchId, Rgb};
 
 const SIZE: Size = Size {

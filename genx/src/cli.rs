@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser};
 use genx::{Model, Settings};
+use scene::file::is_same_file;
 
 /// What the user asks for.
 pub struct Request {
@@ -140,8 +141,4 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Request, S
         out: arguments.out,
         settings,
     })
-}
-
-fn is_same_file(a: &std::path::Path, b: &std::path::Path) -> bool {
-    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }

@@ -391,3 +391,18 @@ fn the_model_is_never_overwritten_by_its_scene() {
     assert_eq!(output.status.code(), Some(2));
     assert_eq!(text(), before);
 }
+
+#[test]
+fn file_keeps_the_faces_of_an_import_and_the_numbers_of_a_models_surfaces() {
+    let folder = folder();
+    let obj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 2\nf 1 2 3 4\nf 3 3 3\nf 1 2 3\n";
+    std::fs::write(folder.path().join("a.obj"), obj).unwrap();
+    make(&folder, &["a.rad", "a.obj"]);
+    let scene = load(&folder, "a.rad");
+    assert!(scene.patch_count() > 3);
+    assert_eq!(scene.faces(), [1, 2, 4]);
+    make(&folder, &["cube.rad", "1"]);
+    let scene = load(&folder, "cube.rad");
+    let numbers: Vec<u32> = (0..scene.surfaces().len() as u32).collect();
+    assert_eq!(scene.faces(), numbers);
+}

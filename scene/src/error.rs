@@ -45,6 +45,8 @@ pub enum SceneError {
     },
     #[error("{depths} depths of bisection trees for {surfaces} surfaces")]
     DepthCount { depths: usize, surfaces: usize },
+    #[error("{faces} faces for {surfaces} surfaces")]
+    FaceCount { faces: usize, surfaces: usize },
     #[error(
         "surface {surface}: {bisections} bisections, the limit is {}",
         crate::bisection::MAX_BISECTIONS

@@ -15,14 +15,17 @@ mod ids;
 mod material;
 mod mesh;
 pub mod obj;
+mod recorded_settings;
 mod scene;
 mod solution;
+pub mod srgb;
 mod surface;
 
 pub use error::SceneError;
 pub use ids::{MAX_PATCHES, MaterialId, NO_PATCH, ObjectId, PatchId, SurfaceId};
 pub use material::Material;
 pub use mesh::{Mesh, Tree};
+pub use recorded_settings::{Difference, Recorded, RecordedSettings};
 pub use scene::{Patch, Rgb, Scene};
-pub use solution::{Provenance, Solution, Sources, Unfinished};
+pub use solution::{Level, Provenance, Solution, State};
 pub use surface::Surface;

@@ -16,6 +16,8 @@ pub struct Scene {
     materials: Vec<Material>,
     objects: Vec<String>,
     surfaces: Vec<Surface>,
+    /// One per surface.
+    faces: Vec<u32>,
     origin: DVec3,
     mesh: Mesh,
 }
@@ -43,7 +45,7 @@ impl Scene {
     /// A scene in which each surface is bisected `depths[s]` times.
     ///
     /// The corners of each surface are rotated so that its longest side comes first. `origin` is
-    /// what was subtracted from the model's coordinates, metres.
+    /// what was subtracted from the model's coordinates, metres. The face of a surface is its number.
     pub fn new(
         materials: Vec<Material>,
         objects: Vec<String>,
@@ -98,13 +100,14 @@ impl Scene {
             });
         }
         let mesh = Mesh::new(depths)?;
-        let surfaces = surfaces
+        let surfaces: Vec<Surface> = surfaces
             .into_iter()
             .map(Surface::with_longest_side_first)
             .collect();
         Ok(Self {
             materials,
             objects,
+            faces: (0..surfaces.len() as u32).collect(),
             surfaces,
             origin,
             mesh,
@@ -139,6 +142,18 @@ impl Scene {
         Self::new(materials, objects, surfaces, &depths, origin)
     }
 
+    /// The same scene, whose surfaces are these triangles of an imported file, one per surface, in surface order: polygons
+    /// are cut, and all triangles counted from 0 in file order, those too that are no surface for want of area.
+    pub fn with_faces(self, faces: Vec<u32>) -> Result<Self, SceneError> {
+        if faces.len() != self.surfaces.len() {
+            return Err(SceneError::FaceCount {
+                faces: faces.len(),
+                surfaces: self.surfaces.len(),
+            });
+        }
+        Ok(Self { faces, ..self })
+    }
+
     /// The same scene with coarser patches: surface s is bisected `min(bisections(s), its own)` times, so that
     /// every patch of this scene is part of one of that.
     #[must_use]
@@ -168,6 +183,12 @@ impl Scene {
     /// All surfaces.
     pub fn surfaces(&self) -> &[Surface] {
         &self.surfaces
+    }
+
+    /// The triangle of the imported file that each surface is, see [`Self::with_faces`]; the surface's number in a scene
+    /// that is no import. One per surface.
+    pub fn faces(&self) -> &[u32] {
+        &self.faces
     }
 
     /// What was subtracted from the model's coordinates, metres.

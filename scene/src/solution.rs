@@ -6,35 +6,57 @@
 
 use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::{Rgb, Scene, SceneError};
+use crate::{RecordedSettings, Rgb, Scene, SceneError};
 
 /// How a solution was made.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
-    /// Name of the solver.
-    pub solver: String,
-    /// The settings that change the result, as text; compared when a run is continued.
-    pub settings: String,
+    /// The settings on which the result depends, compared when a run is continued; `None` where a file of version 1
+    /// does not say, and where nothing has been solved.
+    pub settings: Option<RecordedSettings>,
     /// Iterations the solution has had.
     pub iterations: u64,
     /// Relative residual after each of those iterations that were done with these settings,
     /// dimensionless.
     #[serde(deserialize_with = "numbers_or_null")]
     pub residuals: Vec<f64>,
-    /// Where the irradiances are those of coarser sources, and each patch has that of its source: what is left
-    /// to do until it has its own.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub sources: Option<Sources>,
+    /// Among what the irradiances were solved.
+    pub level: Level,
 }
 
-/// Coarse sources, each a node of a surface's bisection tree, on the way to a solution of the patches.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Sources {
-    /// Their largest area, m^2, where patches are smaller.
-    pub max_area: f64,
-    /// Whether they are solved, and the patches are gathering from them: what is unfinished then is what the first
-    /// patches have gathered.
-    pub is_gathering: bool,
+/// Where a solution stands between levels: coarser sources, nodes of the surfaces' bisection trees, may be solved
+/// before the patches have irradiances of their own.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Level {
+    /// All patches have irradiances of their own.
+    #[default]
+    Patches,
+    /// As well; sources have been tried, and none of them was good enough.
+    PatchesAfterSources,
+    /// Sources are being solved: each patch has the irradiance of its source.
+    Sources {
+        /// Their largest area, m^2, where patches are smaller.
+        max_area: f64,
+    },
+    /// Sources are solved, each patch has the irradiance of its source, and the patches are gathering their own.
+    Gathering {
+        /// The sources' largest area, m^2, where patches are smaller.
+        max_area: f64,
+        /// What the first patches have gathered, W/m^2. A file has it outside of the provenance.
+        #[serde(skip)]
+        gathered: Vec<Rgb>,
+    },
+}
+
+impl Level {
+    /// The largest area of the sources whose irradiances the patches have, m^2; `None` where they have their own.
+    pub fn source_area(&self) -> Option<f64> {
+        match *self {
+            Self::Patches | Self::PatchesAfterSources => None,
+            Self::Sources { max_area } | Self::Gathering { max_area, .. } => Some(max_area),
+        }
+    }
 }
 
 /// JSON knows no infinity and no NaN, and writes null for them. A result must stay readable with
@@ -44,11 +66,42 @@ fn numbers_or_null<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<f64
     Ok(values.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect())
 }
 
-/// An iteration that was stopped on its way.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Unfinished {
-    /// The next iteration's irradiances of the first patches, W/m^2.
-    pub irradiance: Vec<Rgb>,
+/// What a solver has under way, beside the irradiances.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum State {
+    /// Nothing: every solver can start from here.
+    #[default]
+    AtRest,
+    /// A gathering solver's iteration that was stopped on its way.
+    Unfinished {
+        /// The next iteration's irradiances of the first patches, W/m^2.
+        irradiance: Vec<Rgb>,
+    },
+    /// All that shooting has to know.
+    Shooting {
+        /// Unshot radiosity, W/m^2, one per patch, may be negative.
+        unshot: Vec<Rgb>,
+        /// What the exact sum of all that a patch received is more than its irradiance, W/m^2, one per patch, may be
+        /// negative and is less than a rounding.
+        remainder: Vec<Rgb>,
+    },
+}
+
+impl State {
+    /// The same of other patches or sources, each of whose arrays `map` makes of one of these.
+    #[must_use]
+    pub fn map(self, map: impl Fn(&[Rgb]) -> Vec<Rgb>) -> Self {
+        match self {
+            Self::AtRest => Self::AtRest,
+            Self::Unfinished { irradiance } => Self::Unfinished {
+                irradiance: map(&irradiance),
+            },
+            Self::Shooting { unshot, remainder } => Self::Shooting {
+                unshot: map(&unshot),
+                remainder: map(&remainder),
+            },
+        }
+    }
 }
 
 /// Irradiances of all patches, and what is needed to go on from them.
@@ -58,13 +111,8 @@ pub struct Solution {
     pub irradiance: Vec<Rgb>,
     /// How it was made.
     pub provenance: Provenance,
-    /// What an interrupted iteration had reached, if one was.
-    pub unfinished: Option<Unfinished>,
-    /// Unshot radiosity, W/m^2, one per patch, may be negative; shooting only.
-    pub unshot: Option<Vec<Rgb>>,
-    /// What the exact sum of all that a patch received is more than its irradiance, W/m^2, one per patch, may
-    /// be negative and is less than a rounding; shooting only. Older files do not have it and go on without.
-    pub remainder: Option<Vec<Rgb>>,
+    /// What its solver has under way.
+    pub state: State,
 }
 
 impl Solution {
@@ -73,31 +121,21 @@ impl Solution {
         Self {
             irradiance: vec![Rgb::ZERO; scene.patch_count() as usize],
             provenance: Provenance::default(),
-            unfinished: None,
-            unshot: None,
-            remainder: None,
+            state: State::AtRest,
         }
     }
 
     /// Checks the lengths, that a source's area is above 0, that every value is finite, and that irradiances are at least 0.
     pub fn validate(&self, scene: &Scene) -> Result<(), SceneError> {
-        let patches = scene.patch_count();
-        if let Some(sources) = self.provenance.sources
-            && !(sources.max_area > 0.0 && sources.max_area.is_finite())
+        if let Some(value) = self.provenance.level.source_area()
+            && !(value > 0.0 && value.is_finite())
         {
-            return Err(SceneError::SourceArea {
-                value: sources.max_area,
-            });
+            return Err(SceneError::SourceArea { value });
         }
-        let unfinished = self.unfinished.as_ref().map(|u| &u.irradiance);
-        for (values, complete, least) in [
-            (Some(&self.irradiance), true, 0.0),
-            (unfinished, false, 0.0),
-            (self.unshot.as_ref(), true, f32::MIN),
-            (self.remainder.as_ref(), true, f32::MIN),
-        ] {
-            let Some(values) = values else { continue };
-            if values.len() > patches as usize || (complete && values.len() != patches as usize) {
+        let patches = scene.patch_count();
+        let check = |values: &[Rgb], is_complete: bool, least: f32| {
+            let count = patches as usize;
+            if values.len() > count || (is_complete && values.len() != count) {
                 return Err(SceneError::SolutionLength {
                     values: values.len(),
                     patches,
@@ -113,14 +151,30 @@ impl Solution {
                     }
                 }
             }
+            Ok(())
+        };
+        check(&self.irradiance, true, 0.0)?;
+        if let Level::Gathering { gathered, .. } = &self.provenance.level {
+            check(gathered, false, 0.0)?;
         }
-        Ok(())
+        match &self.state {
+            State::AtRest => Ok(()),
+            State::Unfinished { irradiance } => check(irradiance, false, 0.0),
+            State::Shooting { unshot, remainder } => {
+                check(unshot, true, f32::MIN)?;
+                check(remainder, true, f32::MIN)
+            }
+        }
     }
 
     /// Share of the next iteration that is done, 0 to 1.
     pub fn next_iteration_share(&self) -> f64 {
-        let done = self.unfinished.as_ref().map_or(0, |u| u.irradiance.len());
-        done as f64 / self.irradiance.len() as f64
+        match &self.state {
+            State::Unfinished { irradiance } => {
+                irradiance.len() as f64 / self.irradiance.len() as f64
+            }
+            State::AtRest | State::Shooting { .. } => 0.0,
+        }
     }
 
     /// Radiosities B = E + rho H, W/m^2, one per patch.

@@ -63,11 +63,11 @@ fn csv_holds_every_value_to_the_last_bit() {
     let rows = rows(&text);
     assert_eq!(
         text.lines().next().unwrap(),
-        "patch,surface,material,cx,cy,cz,area,nx,ny,nz,rho_r,rho_g,rho_b,emission_r,emission_g,emission_b,irradiance_r,irradiance_g,irradiance_b,radiosity_r,radiosity_g,radiosity_b"
+        "patch,surface,material,cx,cy,cz,area,nx,ny,nz,rho_r,rho_g,rho_b,emission_r,emission_g,emission_b,irradiance_r,irradiance_g,irradiance_b,radiosity_r,radiosity_g,radiosity_b,face,object"
     );
     assert_eq!(rows.len(), 1 + 5);
     for (index, row) in rows[1..].iter().enumerate() {
-        assert_eq!(row.len(), 22);
+        assert_eq!(row.len(), 24);
         let patch = scene.patch(PatchId(index as u32));
         let material = scene.patch_material(PatchId(index as u32));
         assert_eq!(row[0], index.to_string());
@@ -85,7 +85,7 @@ fn csv_holds_every_value_to_the_last_bit() {
         let normal = scene.surface(patch.surface).normal().as_vec3();
         let irradiance = solution.irradiance[index];
         let radiosity = material.emission + material.reflectance * irradiance;
-        let read: Vec<Rgb> = row[7..]
+        let read: Vec<Rgb> = row[7..22]
             .chunks(3)
             .map(|f| Rgb::from(three::<f32>(f)))
             .collect();
@@ -99,6 +99,9 @@ fn csv_holds_every_value_to_the_last_bit() {
                 radiosity
             ])
         );
+        let is_wall = patch.surface.0 == 0;
+        assert_eq!(row[22], if is_wall { "3" } else { "7" });
+        assert_eq!(row[23], if is_wall { "room" } else { "lamp" });
     }
 }
 
@@ -140,7 +143,7 @@ proptest! {
     ) {
         let scene = Scene::new(
             vec![material(&name, [0.5; 3], [0.0; 3])],
-            vec![String::new()],
+            vec![name.clone()],
             vec![surface([[0.0; 3], [0.3, 0.0, 0.0], [0.0, 0.7, 0.0]], 0, 0)],
             &[0],
             DVec3::splat(origin),
@@ -150,7 +153,7 @@ proptest! {
         let text = String::from_utf8(exported(|p| csv::save(p, &scene, Some(&solution)))).unwrap();
         let rows = rows(&text);
         prop_assert_eq!(rows.len(), 2);
-        prop_assert_eq!(&rows[1][2], &name);
+        prop_assert_eq!([&rows[1][2], &rows[1][23]], [&name; 2]);
         prop_assert_eq!(rows[1][17].parse::<f32>().unwrap().to_bits(), irradiance.to_bits());
         let centroid = scene.patch(PatchId(0)).centroid().y + origin;
         prop_assert_eq!(rows[1][4].parse::<f64>().unwrap().to_bits(), centroid.to_bits());

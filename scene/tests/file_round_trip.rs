@@ -2,13 +2,14 @@
 
 mod common;
 
-use common::{bits, folder, small_scene, small_solution};
+use common::{bits, folder, small_scene, small_shooting_solution, small_solution};
 use glam::{DVec3, Vec3};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use scene::file::{from_bytes, load, save, to_bytes};
 use scene::{
-    Material, MaterialId, ObjectId, Provenance, Rgb, Scene, Solution, Sources, Surface, Unfinished,
+    Level, Material, MaterialId, ObjectId, Provenance, RecordedSettings, Rgb, Scene, Solution,
+    State, Surface,
 };
 
 /// Any f32 of a range of bit patterns: subnormals and extremes are as likely as the rest.
@@ -56,7 +57,10 @@ fn any_scene() -> impl Strategy<Value = Scene> {
                     (surface, depth)
                 })
                 .unzip();
-            Scene::new(materials, objects, surfaces, &depths, DVec3::from(origin)).ok()
+            let scene =
+                Scene::new(materials, objects, surfaces, &depths, DVec3::from(origin)).ok()?;
+            let faces = (7..).step_by(3).take(scene.surfaces().len());
+            scene.with_faces(faces.collect()).ok()
         })
 }
 
@@ -65,44 +69,42 @@ fn any_solution(scene: &Scene) -> impl Strategy<Value = Solution> + use<> {
     let values = || vec(rgb(f32::INFINITY), patches);
     // A correction that is still to be shot may be negative.
     let unshot = || {
-        (rgb(f32::INFINITY), any::<bool>())
-            .prop_map(|(v, is_negative)| if is_negative { -v } else { v })
+        let value = (rgb(f32::INFINITY), any::<bool>())
+            .prop_map(|(v, is_negative)| if is_negative { -v } else { v });
+        vec(value, patches)
     };
+    let of_first_patches = move || vec(rgb(f32::INFINITY), 0..=patches);
+    let state = prop_oneof![
+        Just(State::AtRest),
+        of_first_patches().prop_map(|irradiance| State::Unfinished { irradiance }),
+        (unshot(), unshot()).prop_map(|(unshot, remainder)| State::Shooting { unshot, remainder }),
+    ];
+    let area = || f64::MIN_POSITIVE..1e300;
+    let level = prop_oneof![
+        Just(Level::Patches),
+        Just(Level::PatchesAfterSources),
+        area().prop_map(|max_area| Level::Sources { max_area }),
+        (area(), of_first_patches())
+            .prop_map(|(max_area, gathered)| Level::Gathering { max_area, gathered }),
+    ];
     (
         values(),
-        proptest::option::of(vec(rgb(f32::INFINITY), 0..=patches)),
-        proptest::option::of(vec(unshot(), patches)),
-        proptest::option::of(vec(unshot(), patches)),
-        any::<(String, String, u64)>(),
-        proptest::option::of((f64::MIN_POSITIVE..1e300, any::<bool>())),
+        state,
+        proptest::option::of(any::<std::collections::BTreeMap<String, String>>()),
+        any::<u64>(),
+        level,
         vec(-1e300_f64..1e300, 0..5),
     )
         .prop_map(
-            |(
+            |(irradiance, state, settings, iterations, level, residuals)| Solution {
                 irradiance,
-                unfinished,
-                unshot,
-                remainder,
-                (solver, settings, iterations),
-                sources,
-                residuals,
-            )| {
-                Solution {
-                    irradiance,
-                    provenance: Provenance {
-                        solver,
-                        settings,
-                        iterations,
-                        residuals,
-                        sources: sources.map(|(max_area, is_gathering)| Sources {
-                            max_area,
-                            is_gathering,
-                        }),
-                    },
-                    unfinished: unfinished.map(|irradiance| Unfinished { irradiance }),
-                    unshot,
-                    remainder,
-                }
+                provenance: Provenance {
+                    settings: settings.map(|settings| RecordedSettings::new(&settings)),
+                    iterations,
+                    residuals,
+                    level,
+                },
+                state,
             },
         )
 }
@@ -148,16 +150,17 @@ fn saved_file_loads_from_disk_with_and_without_a_solution() {
     let scene = small_scene();
     save(&path, &scene, None).unwrap();
     assert_eq!(load(&path).unwrap(), (scene.clone(), None));
-    let solution = small_solution(&scene);
-    save(&path, &scene, Some(&solution)).unwrap();
-    let (scene_again, solution_again) = load(&path).unwrap();
-    let solution_again = solution_again.unwrap();
-    assert_eq!(scene_again, scene);
-    assert_eq!(solution_again, solution);
-    assert_eq!(bits(&solution_again.irradiance), bits(&solution.irradiance));
-    // A result is a valid input, and the same one: nothing drifts from save to save.
-    let bytes = std::fs::read(&path).unwrap();
-    assert_eq!(to_bytes(&scene_again, Some(&solution_again)), bytes);
+    for solution in [small_solution(&scene), small_shooting_solution(&scene)] {
+        save(&path, &scene, Some(&solution)).unwrap();
+        let (scene_again, solution_again) = load(&path).unwrap();
+        let solution_again = solution_again.unwrap();
+        assert_eq!(scene_again, scene);
+        assert_eq!(solution_again, solution);
+        assert_eq!(bits(&solution_again.irradiance), bits(&solution.irradiance));
+        // A result is a valid input, and the same one: nothing drifts from save to save.
+        let bytes = std::fs::read(&path).unwrap();
+        assert_eq!(to_bytes(&scene_again, Some(&solution_again)), bytes);
+    }
 }
 
 #[test]

@@ -286,6 +286,25 @@ fn non_planar_polygon_is_fanned_and_counted() {
     }
 }
 
+/// Two triangles without area and a polygon of each kind: the concave one is cut by its ears, into as many triangles.
+#[test]
+fn faces_count_all_triangles_of_the_file_those_dropped_and_those_of_polygons() {
+    let model = model(&format!(
+        "{SQUARE}v 2 0 0\nv 0.5 0.1 0\n\
+         f 1 2 2\n\
+         f 1 2 3 4\n\
+         f 1 2\n\
+         f 1 2 5\n\
+         f 2 3 4 1 6\n\
+         f 1 2 3\n"
+    ));
+    assert_eq!(model.report.degenerate_dropped, 2);
+    assert_eq!(model.faces, [1, 2, 4, 5, 6, 7]);
+    assert_eq!(model.surfaces.len(), model.faces.len());
+    let last = triangles(&model)[5];
+    assert_eq!(last, [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]]);
+}
+
 #[test]
 fn degenerate_triangles_are_dropped_counted_and_warned_of() {
     let model = model(&format!("{SQUARE}f 1 2 2\nf 1 2 3\nv 2 0 0\nf 1 2 5\n"));

@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::{choice, parse_points, parse_resolution, parse_turns};
+use super::{choice, parse_resolution};
 use crate::settings::{FormFactorSettings, LampViews, Maps, Points, Turns};
 use crate::verify::{Accuracy, Backends, Format, Settings, VerifyError, select};
 
@@ -18,10 +18,10 @@ pub(super) struct VerifyArguments {
     #[arg(value_name = "RESOLUTION", default_value = "128", value_parser = parse_resolution)]
     resolution: u32,
     /// Where a patch's hemicubes stand, as in a run
-    #[arg(long, default_value = "auto", value_parser = parse_points)]
+    #[arg(long, default_value = "auto")]
     points: Points,
     /// How hemicubes are turned, as in a run
-    #[arg(long, default_value = "0", value_name = "SEED", value_parser = parse_turns)]
+    #[arg(long, default_value = "0", value_name = "SEED")]
     seed: Turns,
     /// Exact views of lamps beside the hemicube, as in a run
     #[arg(long, default_value = "auto", value_parser = choice(&[

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use scene::{Provenance, Rgb, Scene, Solution};
+use scene::{Level, Provenance, Rgb, Scene, Solution, State};
 
 use super::{Goal, Run, solver};
 use crate::interrupt;
@@ -61,9 +61,6 @@ enum Again {
     Stopped(StoppedBy),
 }
 
-/// In the settings of a solution: that no sources were good enough.
-pub(super) const ONE_LEVEL: &str = ", one level";
-
 /// What a run has come to.
 pub(super) struct Solved {
     pub solution: Solution,
@@ -87,7 +84,8 @@ impl Run<'_> {
         let had = provenance.map_or(0, |provenance| provenance.iterations);
         let most = self.settings.max_iterations;
         let is_enough = most.is_some_and(|most| had >= most);
-        if is_enough && provenance.is_none_or(|provenance| provenance.sources.is_none()) {
+        if is_enough && provenance.is_none_or(|provenance| provenance.level.source_area().is_none())
+        {
             // Who asks for none wants the form factors.
             if most != Some(0) {
                 let file = self.settings.input.display();
@@ -98,14 +96,13 @@ impl Run<'_> {
             return Ok((Levels::Enough(solution), None));
         }
         let mut start = self.start_from(scene, solution);
-        let before = start.provenance.sources;
         let residual = start.provenance.residuals.last();
         let is_solved = residual.is_some_and(|&residual| residual <= self.settings.tolerance);
-        if let Some(gathering) = before.filter(|before| before.is_gathering) {
+        if let Level::Gathering { max_area, .. } = start.provenance.level {
             if is_solved || is_enough {
-                let sources = two_levels::sources(scene, gathering.max_area);
+                let sources = two_levels::sources(scene, max_area);
                 let levels = TwoLevels {
-                    report: SourcesReport::new(sources.patch_count(), gathering.max_area),
+                    report: SourcesReport::new(sources.patch_count(), max_area),
                     result: Ok(if is_solved {
                         StoppedBy::Tolerance
                     } else {
@@ -116,11 +113,12 @@ impl Run<'_> {
                 };
                 return Ok((Levels::Two(Box::new(levels)), Some(sources)));
             }
-            start.unfinished = None;
+            start.provenance.level = Level::Sources { max_area };
         }
-        match self.settings.source_area {
-            _ if is_solved && before.is_none() => {}
-            SourceArea::Auto if start.provenance.settings.ends_with(ONE_LEVEL) => {}
+        let is_of_sources = start.provenance.level.source_area().is_some();
+        match self.settings.solution.source_area {
+            _ if is_solved && !is_of_sources => {}
+            SourceArea::Auto if start.provenance.level == Level::PatchesAfterSources => {}
             SourceArea::AtMost(area) => {
                 // No source is larger than all, and a file holds no infinity.
                 let area = area.min(scene.area());
@@ -135,8 +133,12 @@ impl Run<'_> {
             }
             SourceArea::Auto | SourceArea::Patches => {}
         }
-        if start.provenance.sources.take().is_some() {
-            start.unfinished = None;
+        if is_of_sources {
+            let provenance = Provenance {
+                level: Level::Patches,
+                ..start.provenance
+            };
+            start = irradiances(start.irradiance, &provenance);
         }
         Ok((Levels::One(start), None))
     }
@@ -147,7 +149,7 @@ impl Run<'_> {
         scene: &Scene,
         mut start: Solution,
     ) -> anyhow::Result<(Levels, Option<Scene>)> {
-        let under_way = start.provenance.sources.map(|sources| sources.max_area);
+        let under_way = start.provenance.level.source_area();
         let mut provenance = before_sources(&start.provenance);
         if under_way.is_none() {
             // Those of a solution that has been gathered count.
@@ -180,7 +182,7 @@ impl Run<'_> {
             coarser = Coarser::Solved(levels.solution.irradiance.clone());
             start = irradiances(levels.solution.irradiance, &provenance);
         }
-        provenance.settings.push_str(ONE_LEVEL);
+        provenance.level = Level::PatchesAfterSources;
         Ok((
             Levels::One(irradiances(start.irradiance, &provenance)),
             None,
@@ -206,7 +208,7 @@ impl Run<'_> {
             let sources = two_levels::sources(scene, area);
             let hemicubes = Arc::new(self.hemicubes(&sources, &sources));
             let (_, mut rows) = self.rows(&hemicubes, self.settings.memory_bytes)?;
-            let make = |start| solver(self.settings.solver, &sources, start);
+            let make = |start| solver(self.settings.solution.solver, &sources, start);
             let start = irradiances(irradiance, &provenance);
             let mut on_sources = OnSources::new(scene, &sources, area, start, make);
             let stopped_by = self.iterate(scene, &mut on_sources, &mut rows, Goal::Again)?;
@@ -231,7 +233,7 @@ impl Run<'_> {
     ) -> anyhow::Result<TwoLevels> {
         let hemicubes = Arc::new(self.hemicubes(sources, sources));
         let (_, mut rows) = self.rows(&hemicubes, self.settings.memory_bytes)?;
-        let make = |start| solver(self.settings.solver, sources, start);
+        let make = |start| solver(self.settings.solution.solver, sources, start);
         let mut on_sources = OnSources::new(scene, sources, area, start, make);
         let result = self.iterate(scene, &mut on_sources, &mut rows, Goal::Convergence);
         let mut levels = TwoLevels {
@@ -289,7 +291,7 @@ impl Run<'_> {
                 };
             }
             Levels::One(start) => {
-                let mut solver = solver(self.settings.solver, scene, start);
+                let mut solver = solver(self.settings.solution.solver, scene, start);
                 return Solved {
                     result: self.iterate(scene, solver.as_mut(), rows, Goal::Convergence),
                     solution: solver.snapshot(),
@@ -306,7 +308,7 @@ impl Run<'_> {
             rows: rows_of_sources,
         } = levels;
         if !is_stopped {
-            let mut gather = GatherOnce::new(scene, sources, solution);
+            let mut gather = GatherOnce::new(scene, sources, report.max_area, solution);
             match self.iterate(scene, &mut gather, rows, Goal::OnePass) {
                 // The sources' reason is the run's.
                 Ok(StoppedBy::Tolerance) => {}
@@ -352,7 +354,7 @@ fn before_sources(provenance: &Provenance) -> Provenance {
     Provenance {
         iterations: provenance.iterations.saturating_sub(iterations),
         residuals: Vec::new(),
-        sources: None,
+        level: Level::Patches,
         ..provenance.clone()
     }
 }
@@ -362,8 +364,6 @@ fn irradiances(irradiance: Vec<Rgb>, provenance: &Provenance) -> Solution {
     Solution {
         irradiance,
         provenance: provenance.clone(),
-        unfinished: None,
-        unshot: None,
-        remainder: None,
+        state: State::AtRest,
     }
 }

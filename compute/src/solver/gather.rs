@@ -20,7 +20,7 @@
 //! and channels, B' from before it.
 
 use rayon::prelude::*;
-use scene::{Provenance, Rgb, Solution, Unfinished};
+use scene::{Provenance, Rgb, Solution, State};
 
 use super::{Solver, Step};
 use crate::compact_rows::{Channels, CompactRows, Gatherer};
@@ -66,17 +66,19 @@ const BLOCKS: usize = 64;
 const LARGEST_BLOCK: usize = 256;
 
 impl Gather {
-    /// A solver that goes on from `start`, whose lengths fit the problem.
+    /// A solver that goes on from `start`, whose lengths fit the problem. What shooting has under way is no use to it.
     pub fn new(problem: Problem, update: Update, start: Solution) -> Self {
         let Solution {
             irradiance,
             provenance,
-            unfinished,
-            ..
+            state,
         } = start;
         let radiosity = irradiance.iter().enumerate();
         let radiosity = Channels::new(radiosity.map(|(i, &h)| problem.radiosity(i, h)));
-        let next = unfinished.map_or_else(Vec::new, |unfinished| unfinished.irradiance);
+        let next = match state {
+            State::Unfinished { irradiance } => irradiance,
+            State::AtRest | State::Shooting { .. } => Vec::new(),
+        };
         let block = match update {
             Update::AfterIteration => problem.patch_count().max(1),
             Update::AtOnce => (problem.patch_count() / BLOCKS).clamp(1, LARGEST_BLOCK),
@@ -165,11 +167,13 @@ impl Solver for Gather {
         Solution {
             irradiance: self.irradiance.clone(),
             provenance: self.provenance.clone(),
-            unfinished: (!self.next.is_empty()).then(|| Unfinished {
-                irradiance: self.next.clone(),
-            }),
-            unshot: None,
-            remainder: None,
+            state: if self.next.is_empty() {
+                State::AtRest
+            } else {
+                State::Unfinished {
+                    irradiance: self.next.clone(),
+                }
+            },
         }
     }
 

@@ -34,7 +34,7 @@
 //! its radiosity once, and what is unshot then is the difference to what it had.
 
 use glam::DVec3;
-use scene::{Provenance, Rgb, Solution};
+use scene::{Provenance, Rgb, Solution, State};
 
 use super::{Solver, Step};
 use crate::compact_rows::Row;
@@ -79,15 +79,10 @@ impl Shoot {
         let dark = vec![Rgb::ZERO; problem.patch_count()];
         let provenance = start.provenance.clone();
         let none = dark.clone();
-        let (irradiance, remainder, unshot, takeover) = match start.unshot.clone() {
-            Some(unshot) => (
-                start.irradiance,
-                start.remainder.unwrap_or(none),
-                unshot,
-                None,
-            ),
-            None if start.irradiance == dark => (dark, none, problem.emission.clone(), None),
-            None => (dark.clone(), none, dark, Some(Takeover { start, next: 0 })),
+        let (irradiance, remainder, unshot, takeover) = match start.state {
+            State::Shooting { unshot, remainder } => (start.irradiance, remainder, unshot, None),
+            _ if start.irradiance == dark => (dark, none, problem.emission.clone(), None),
+            _ => (dark.clone(), none, dark, Some(Takeover { start, next: 0 })),
         };
         Self {
             unshot_powers: UnshotPowers::new(&problem, &unshot),
@@ -249,7 +244,9 @@ impl UnshotPowers {
 /// The ambient radiosity of what is unshot, W/m^2; `None` where a solution does not tell that, or where nothing
 /// is absorbed.
 pub fn ambient_radiosity(problem: &Problem, solution: &Solution) -> Option<DVec3> {
-    let unshot = solution.unshot.as_ref()?;
+    let State::Shooting { unshot, .. } = &solution.state else {
+        return None;
+    };
     let (mut power, mut absorbing) = (DVec3::ZERO, DVec3::ZERO);
     for (i, b) in unshot.iter().enumerate() {
         power += problem.areas[i] * b.as_dvec3();
@@ -296,9 +293,10 @@ impl Solver for Shoot {
         Solution {
             irradiance: self.irradiance.clone(),
             provenance: self.provenance.clone(),
-            unfinished: None,
-            unshot: Some(self.unshot.clone()),
-            remainder: Some(self.remainder.clone()),
+            state: State::Shooting {
+                unshot: self.unshot.clone(),
+                remainder: self.remainder.clone(),
+            },
         }
     }
 

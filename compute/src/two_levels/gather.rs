@@ -1,6 +1,6 @@
 //! What all patches receive from the sources: one pass.
 
-use scene::{Rgb, Scene, Solution, Unfinished};
+use scene::{Level, Rgb, Scene, Solution, State};
 
 use super::{Radiosities, restricted};
 use crate::problem::Problem;
@@ -14,27 +14,26 @@ pub struct GatherOnce {
     radiosities: Radiosities,
     /// The sources' solution, as one of the patches.
     sources: Solution,
+    /// Their largest area, m^2.
+    max_area: f64,
     /// Irradiances that have been gathered, W/m^2, the first patches.
     irradiance: Vec<Rgb>,
     patch_count: usize,
 }
 
 impl GatherOnce {
-    /// Gathering from the sources' `solution`, as a solution of the scene; where it was gathering already, it goes
-    /// on.
-    pub fn new(scene: &Scene, sources: &Scene, mut solution: Solution) -> Self {
-        let mut irradiance = Vec::with_capacity(scene.patch_count() as usize);
-        if let Some(marker) = &mut solution.provenance.sources {
-            let unfinished = solution.unfinished.take();
-            if let Some(unfinished) = unfinished.filter(|_| marker.is_gathering) {
-                irradiance.extend(unfinished.irradiance);
-            }
-            marker.is_gathering = true;
-        }
+    /// Gathering from the `solution` of sources of at most `max_area`, m^2, as a solution of the scene; where it was
+    /// gathering already, it goes on.
+    pub fn new(scene: &Scene, sources: &Scene, max_area: f64, mut solution: Solution) -> Self {
+        let irradiance = match std::mem::take(&mut solution.provenance.level) {
+            Level::Gathering { gathered, .. } => gathered,
+            _ => Vec::new(),
+        };
         let among_sources = restricted(scene, sources, &solution.irradiance);
         Self {
             radiosities: Radiosities::new(&Problem::new(sources), &among_sources),
             sources: solution,
+            max_area,
             irradiance,
             patch_count: scene.patch_count() as usize,
         }
@@ -62,24 +61,21 @@ impl Solver for GatherOnce {
     }
 
     fn snapshot(&self) -> Solution {
-        let mut provenance = self.sources.provenance.clone();
         if self.is_done() {
-            provenance.sources = None;
-            // What is unshot among sources says nothing of what patches have received from them.
             return Solution {
                 irradiance: self.irradiance.clone(),
-                provenance,
-                unfinished: None,
-                unshot: None,
-                remainder: None,
+                // The sources' own level has been taken from it: these are of the patches.
+                provenance: self.sources.provenance.clone(),
+                // What is unshot among sources says nothing of what patches have received from them.
+                state: State::AtRest,
             };
         }
-        Solution {
-            unfinished: Some(Unfinished {
-                irradiance: self.irradiance.clone(),
-            }),
-            ..self.sources.clone()
-        }
+        let mut solution = self.sources.clone();
+        solution.provenance.level = Level::Gathering {
+            max_area: self.max_area,
+            gathered: self.irradiance.clone(),
+        };
+        solution
     }
 
     fn iterations(&self) -> u64 {

@@ -1,6 +1,6 @@
 //! Solving among sources, as a run of the patches sees it.
 
-use scene::{Scene, Solution, Sources, Unfinished};
+use scene::{Level, Scene, Solution, State};
 
 use super::{prolonged, restricted};
 use crate::row_cache::RowCache;
@@ -40,20 +40,22 @@ impl<'a> OnSources<'a> {
 }
 
 /// A solution of the sources. What of an iteration was reached is kept where it was reached among them.
-fn restrict(scene: &Scene, sources: &Scene, mut start: Solution) -> Solution {
-    let unfinished = start
-        .unfinished
-        .filter(|_| start.provenance.sources.is_some());
+fn restrict(scene: &Scene, sources: &Scene, start: Solution) -> Solution {
+    let Solution {
+        irradiance,
+        mut provenance,
+        state,
+    } = start;
     let to_sources = |values: &[_]| restricted(scene, sources, values);
-    start.provenance.sources = None;
+    let level = std::mem::take(&mut provenance.level);
+    let state = match (state, level.source_area()) {
+        (State::Unfinished { .. }, None) => State::AtRest,
+        (state, _) => state.map(to_sources),
+    };
     Solution {
-        irradiance: to_sources(&start.irradiance),
-        unfinished: unfinished.map(|unfinished| Unfinished {
-            irradiance: to_sources(&unfinished.irradiance),
-        }),
-        unshot: start.unshot.as_deref().map(to_sources),
-        remainder: start.remainder.as_deref().map(to_sources),
-        provenance: start.provenance,
+        irradiance: to_sources(&irradiance),
+        provenance,
+        state,
     }
 }
 
@@ -66,23 +68,16 @@ impl Solver for OnSources<'_> {
         let Solution {
             irradiance,
             mut provenance,
-            unfinished,
-            unshot,
-            remainder,
+            state,
         } = self.solver.snapshot();
         let to_patches = |values: &[_]| prolonged(self.scene, self.sources, values);
-        provenance.sources = Some(Sources {
+        provenance.level = Level::Sources {
             max_area: self.max_area,
-            is_gathering: false,
-        });
+        };
         Solution {
             irradiance: to_patches(&irradiance),
-            unfinished: unfinished.map(|unfinished| Unfinished {
-                irradiance: to_patches(&unfinished.irradiance),
-            }),
-            unshot: unshot.as_deref().map(to_patches),
-            remainder: remainder.as_deref().map(to_patches),
             provenance,
+            state: state.map(to_patches),
         }
     }
 

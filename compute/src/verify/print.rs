@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::case::Case;
 use super::{Accuracy, Outcome, VerifyError};
-use crate::settings::{LampViews, Maps};
+use crate::settings::{LampViews, Maps, Points};
 
 /// Widths of the text columns, so that lines can be printed one by one.
 pub struct Columns {
@@ -107,7 +107,7 @@ struct Line<'a> {
     source: &'a str,
     backend: &'a str,
     resolution: u32,
-    points: String,
+    points: Points,
     maps: Maps,
     lamps: LampViews,
     expected: f64,
@@ -131,7 +131,7 @@ pub fn json(outcomes: &[Outcome], accuracy: Accuracy) -> Result<String, VerifyEr
                 source: &outcome.case.source,
                 backend: outcome.backend,
                 resolution: settings.resolution,
-                points: settings.points.to_string(),
+                points: settings.points,
                 maps: settings.maps,
                 lamps: accuracy.lamps,
                 expected: outcome.measured.expected,

@@ -10,7 +10,7 @@ use compute::rows::UNITS_PER_ONE;
 use compute::settings::{FormFactorSettings, Points};
 use compute::solver::{Gather, Shoot, Solver, Update};
 use glam::DVec3;
-use scene::{Rgb, Scene, Solution};
+use scene::{Rgb, Scene, Solution, State};
 
 /// Half a unit in the last place of an f32, relative: what storing a value may round away.
 pub const ROUNDING: f64 = 1.0 / (1 << 24) as f64;
@@ -216,7 +216,10 @@ pub fn error_bound(
     let values = radiosity(scene, &before);
     let q = largest_reflectance(scene);
     if method == Method::Shooting {
-        let unshot = before.unshot.unwrap().into_iter().map(Rgb::as_dvec3);
+        let State::Shooting { unshot, .. } = before.state else {
+            panic!("shooting has a state of its own")
+        };
+        let unshot = unshot.into_iter().map(Rgb::as_dvec3);
         let left = norm(method, scene, unshot) / norm(method, scene, values.into_iter());
         let residuals = before.provenance.residuals;
         let shots = residuals.len() as f64 + f64::from(scene.patch_count());

@@ -17,6 +17,7 @@ pub fn import(path: &Path, settings: &Settings) -> Result<Made, GenxError> {
         mut materials,
         objects,
         surfaces,
+        faces,
         origin,
         report,
     } = match settings.reflectance {
@@ -30,8 +31,9 @@ pub fn import(path: &Path, settings: &Settings) -> Result<Made, GenxError> {
     let max_area = settings
         .max_area
         .unwrap_or_else(|| surfaces.iter().map(Surface::area).sum::<f64>() / DEFAULT_PATCHES);
+    let scene = Scene::with_max_area(materials, objects, surfaces, max_area, origin)?;
     Ok(Made {
-        scene: Scene::with_max_area(materials, objects, surfaces, max_area, origin)?,
+        scene: scene.with_faces(faces)?,
         warnings: report.warnings,
         imported: Some(Imported {
             faces: report.faces,

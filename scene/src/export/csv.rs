@@ -10,14 +10,15 @@ use crate::{Rgb, Scene, Solution};
 /// The first line.
 pub const HEADER: &str = "patch,surface,material,cx,cy,cz,area,nx,ny,nz,\
     rho_r,rho_g,rho_b,emission_r,emission_g,emission_b,\
-    irradiance_r,irradiance_g,irradiance_b,radiosity_r,radiosity_g,radiosity_b";
+    irradiance_r,irradiance_g,irradiance_b,radiosity_r,radiosity_g,radiosity_b,face,object";
 
 /// Writes one row a patch, in patch order.
 ///
 /// The centroid is in the model's own coordinates, metres, the area in m^2, the normal a unit
 /// vector, reflectance dimensionless, the rest W/m^2. Every number has the digits that lead back to
 /// the same value: f64 for centroid and area, f32 for all else. Without a solution the irradiance
-/// is 0.
+/// is 0. The face is the triangle of the imported file that the patch lies in, see
+/// [`Scene::with_faces`], the object its name.
 pub fn save(path: &Path, scene: &Scene, solution: Option<&Solution>) -> Result<(), FileError> {
     let dark;
     let solution = if let Some(solution) = solution {
@@ -58,7 +59,8 @@ pub fn save(path: &Path, scene: &Scene, solution: Option<&Solution>) -> Result<(
             ] {
                 write!(out, ",{x},{y},{z}")?;
             }
-            writeln!(out)?;
+            let face = scene.faces()[patch.surface.index()];
+            writeln!(out, ",{face},{}", quoted(scene.object(surface.object)))?;
         }
         Ok(())
     })

@@ -10,8 +10,8 @@ use glam::Vec3;
 use serde_json::json;
 
 use super::{check_colors, patches};
-use crate::Scene;
 use crate::file::{FileError, write_atomically};
+use crate::{Scene, srgb};
 
 /// Bytes of a vertex's position, 3 f32.
 const POSITION_BYTES: u32 = 12;
@@ -107,15 +107,9 @@ fn document(scene: &Scene, vertices: u32) -> serde_json::Value {
     })
 }
 
-/// sRGB (IEC 61966-2-1) to linear, as a share of 65535.
+/// sRGB to linear, as a share of 65535.
 fn linear(srgb: u8) -> u16 {
-    let encoded = f64::from(srgb) / 255.0;
-    let linear = if encoded <= 0.04045 {
-        encoded / 12.92
-    } else {
-        ((encoded + 0.055) / 1.055).powf(2.4)
-    };
-    (linear * f64::from(u16::MAX)).round() as u16
+    (srgb::decode(f32::from(srgb) / 255.0) * f32::from(u16::MAX)).round() as u16
 }
 
 #[cfg(test)]

@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 pub const MAGIC: [u8; 8] = *b"RADIOSTY";
 /// The same as text, for messages.
 pub const MAGIC_TEXT: &str = "RADIOSTY";
-/// The format this code reads and writes.
-pub const VERSION: u32 = 1;
+/// The format that this code writes. It reads this one and all before it.
+pub const VERSION: u32 = 2;
 /// Sections start at multiples of this many bytes.
 pub const ALIGNMENT: usize = 16;
 
@@ -39,36 +39,92 @@ pub struct Header {
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct Section {
-    /// One of the [`kind`]s.
-    pub kind: u32,
+    /// What the section holds.
+    pub name: SectionName,
     /// Size of one record, bytes.
     pub record_bytes: u32,
+    /// [`REQUIRED`] or nothing.
+    pub flags: u32,
     /// Where it starts in the file, bytes.
     pub offset: u64,
     /// Number of records.
     pub count: u64,
-    /// Zero.
-    pub reserved: u64,
 }
 
-/// What a section holds.
-pub mod kind {
-    /// JSON of [`super::Names`].
-    pub const NAMES: u32 = 1;
-    /// [`super::MaterialRecord`]s.
-    pub const MATERIALS: u32 = 2;
-    /// [`super::SurfaceRecord`]s.
-    pub const SURFACES: u32 = 3;
+/// The flag of a section that a reader must know: what it would read without is not what was written.
+pub const REQUIRED: u32 = 1 << 0;
+
+/// A section's name: 1 to 16 visible ASCII characters, then zeros.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct SectionName([u8; 16]);
+
+impl SectionName {
+    /// JSON of [`Names`].
+    pub const NAMES: Self = Self::new("names");
+    /// [`MaterialRecord`]s.
+    pub const MATERIALS: Self = Self::new("materials");
+    /// [`SurfaceRecord`]s.
+    pub const SURFACES: Self = Self::new("surfaces");
+    /// u32 numbers of faces.
+    pub const FACES: Self = Self::new("faces");
     /// JSON of [`crate::Provenance`].
-    pub const PROVENANCE: u32 = 4;
+    pub const PROVENANCE: Self = Self::new("provenance");
     /// RGB irradiances.
-    pub const IRRADIANCE: u32 = 5;
+    pub const IRRADIANCE: Self = Self::new("irradiance");
+    /// RGB irradiances that patches have gathered from sources.
+    pub const GATHERED: Self = Self::new("gathered");
     /// RGB irradiances of an unfinished iteration.
-    pub const UNFINISHED: u32 = 6;
+    pub const UNFINISHED: Self = Self::new("unfinished");
     /// RGB unshot radiosities.
-    pub const UNSHOT: u32 = 7;
+    pub const UNSHOT: Self = Self::new("unshot");
     /// RGB remainders of irradiances.
-    pub const REMAINDER: u32 = 8;
+    pub const REMAINDER: Self = Self::new("remainder");
+
+    /// All that this code knows.
+    const ALL: [Self; 10] = [
+        Self::NAMES,
+        Self::MATERIALS,
+        Self::SURFACES,
+        Self::FACES,
+        Self::PROVENANCE,
+        Self::IRRADIANCE,
+        Self::GATHERED,
+        Self::UNFINISHED,
+        Self::UNSHOT,
+        Self::REMAINDER,
+    ];
+
+    const fn new(name: &str) -> Self {
+        let (name, mut bytes) = (name.as_bytes(), [0; 16]);
+        let mut k = 0;
+        while k < name.len() {
+            bytes[k] = name[k];
+            k += 1;
+        }
+        Self(bytes)
+    }
+
+    /// Whether this code knows what such a section holds.
+    pub fn is_known(self) -> bool {
+        Self::ALL.contains(&self)
+    }
+
+    /// Whether a file may have a section of this name.
+    pub fn is_valid(self) -> bool {
+        let end = self.0.iter().position(|&byte| byte == 0);
+        let (name, padding) = self.0.split_at(end.unwrap_or(self.0.len()));
+        !name.is_empty()
+            && name.iter().all(u8::is_ascii_graphic)
+            && padding.iter().all(|&byte| byte == 0)
+    }
+}
+
+impl std::fmt::Display for SectionName {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let name = self.0.split(|&byte| byte == 0).next().unwrap_or_default();
+        write!(f, "\"{}\"", name.escape_ascii())
+    }
 }
 
 /// Names of materials and objects, in their order.

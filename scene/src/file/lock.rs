@@ -58,7 +58,7 @@ impl OutputLock {
             }
             // The last holder may have removed the file between our opening and our locking it;
             // then the name stands for nothing, or for another program's new file.
-            if is_same_file(&file, &path) {
+            if is_at(&file, &path) {
                 let held = Some(Held { path, _file: file });
                 return Ok(Self { held });
             }
@@ -75,8 +75,9 @@ impl Drop for OutputLock {
     }
 }
 
+/// Whether an open file still has its name.
 #[cfg(unix)]
-fn is_same_file(file: &File, path: &Path) -> bool {
+fn is_at(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
     match (file.metadata(), std::fs::metadata(path)) {
         (Ok(a), Ok(b)) => (a.dev(), a.ino()) == (b.dev(), b.ino()),
@@ -86,6 +87,6 @@ fn is_same_file(file: &File, path: &Path) -> bool {
 
 /// Elsewhere an open file cannot be removed.
 #[cfg(not(unix))]
-fn is_same_file(_: &File, _: &Path) -> bool {
+fn is_at(_: &File, _: &Path) -> bool {
     true
 }

@@ -7,10 +7,11 @@ use bytemuck::Pod;
 use serde::Serialize;
 
 use super::layout::{
-    ALIGNMENT, Header, MAGIC, MaterialRecord, Names, Section, SurfaceRecord, VERSION, kind,
+    ALIGNMENT, Header, MAGIC, MaterialRecord, Names, REQUIRED, Section, SectionName, SurfaceRecord,
+    VERSION,
 };
-use super::{FileError, FileFault, read};
-use crate::{Scene, Solution};
+use super::{FileError, FileFault, table};
+use crate::{Level, Scene, Solution, State};
 
 /// Writes a scene, with or without a solution, replacing the file at once or not at all.
 ///
@@ -122,20 +123,25 @@ pub fn to_bytes(scene: &Scene, solution: Option<&Solution>) -> Vec<u8> {
         .collect();
 
     let mut file = FileBuilder::default();
-    file.json(kind::NAMES, &names);
-    file.records(kind::MATERIALS, &materials);
-    file.records(kind::SURFACES, &surfaces);
+    file.json(SectionName::NAMES, REQUIRED, &names);
+    file.records(SectionName::MATERIALS, REQUIRED, &materials);
+    file.records(SectionName::SURFACES, REQUIRED, &surfaces);
+    file.records(SectionName::FACES, 0, scene.faces());
     if let Some(solution) = solution {
-        file.json(kind::PROVENANCE, &solution.provenance);
-        file.records(kind::IRRADIANCE, &solution.irradiance);
-        if let Some(unfinished) = &solution.unfinished {
-            file.records(kind::UNFINISHED, &unfinished.irradiance);
+        file.json(SectionName::PROVENANCE, 0, &solution.provenance);
+        file.records(SectionName::IRRADIANCE, 0, &solution.irradiance);
+        if let Level::Gathering { gathered, .. } = &solution.provenance.level {
+            file.records(SectionName::GATHERED, 0, gathered);
         }
-        if let Some(unshot) = &solution.unshot {
-            file.records(kind::UNSHOT, unshot);
-        }
-        if let Some(remainder) = &solution.remainder {
-            file.records(kind::REMAINDER, remainder);
+        match &solution.state {
+            State::AtRest => {}
+            State::Unfinished { irradiance } => {
+                file.records(SectionName::UNFINISHED, 0, irradiance);
+            }
+            State::Shooting { unshot, remainder } => {
+                file.records(SectionName::UNSHOT, 0, unshot);
+                file.records(SectionName::REMAINDER, 0, remainder);
+            }
         }
     }
     file.finish(scene.origin().into())
@@ -148,21 +154,21 @@ struct FileBuilder {
 }
 
 impl FileBuilder {
-    fn records<T: Pod>(&mut self, kind: u32, records: &[T]) {
+    fn records<T: Pod>(&mut self, name: SectionName, flags: u32, records: &[T]) {
         let section = Section {
-            kind,
+            name,
             record_bytes: size_of::<T>() as u32,
+            flags,
             offset: 0,
             count: records.len() as u64,
-            reserved: 0,
         };
         self.sections
             .push((section, bytemuck::cast_slice(records).to_vec()));
     }
 
-    fn json(&mut self, kind: u32, value: &impl Serialize) {
+    fn json(&mut self, name: SectionName, flags: u32, value: &impl Serialize) {
         // Serialising strings and numbers to memory has no way to fail.
-        self.records(kind, &serde_json::to_vec(value).unwrap_or_default());
+        self.records(name, flags, &serde_json::to_vec(value).unwrap_or_default());
     }
 
     fn finish(mut self, origin: [f64; 3]) -> Vec<u8> {
@@ -190,7 +196,7 @@ impl FileBuilder {
             origin,
             reserved: 0,
         };
-        header.checksum = read::checksum(&header, &file[size_of::<Header>()..]);
+        header.checksum = table::checksum(&header, &file[size_of::<Header>()..]);
         file[..size_of::<Header>()].copy_from_slice(bytemuck::bytes_of(&header));
         file
     }

@@ -30,10 +30,11 @@ pub(super) fn build(
 
     let mut objects = Objects::default();
     let mut surfaces: Vec<Surface> = Vec::new();
+    let mut faces = Vec::new();
     let mut surface_lines = Vec::new();
     let mut first_lines = FirstLines::default();
     let mut overlapping = 0;
-    let mut triangles = 0;
+    let mut triangles = 0_usize;
     let mut lines = face_lines.iter().copied();
     for (model, positions) in models.iter().zip(&positions) {
         let mesh = &model.mesh;
@@ -62,6 +63,7 @@ pub(super) fn build(
                 }
             }
             for corners in cut.corners {
+                let face = triangles as u32;
                 triangles += 1;
                 let surface = Surface {
                     corners: corners.map(|k| polygon[k]),
@@ -73,6 +75,7 @@ pub(super) fn build(
                     first_lines.degenerate.get_or_insert(line);
                 } else {
                     surfaces.push(surface);
+                    faces.push(face);
                     surface_lines.push(line);
                 }
             }
@@ -94,6 +97,7 @@ pub(super) fn build(
         materials,
         objects: objects.names,
         surfaces,
+        faces,
         origin,
         report,
     })

@@ -42,7 +42,7 @@ pub(crate) use screen::comment_start;
 
 use crate::{Material, Surface};
 
-/// An imported model, ready for [`crate::Scene::with_max_area`].
+/// An imported model, ready for [`crate::Scene::with_max_area`] and [`crate::Scene::with_faces`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjModel {
     /// Materials that faces use, by first use.
@@ -51,6 +51,8 @@ pub struct ObjModel {
     pub objects: Vec<String>,
     /// Triangles in file order, relative to `origin`.
     pub surfaces: Vec<Surface>,
+    /// Which of the file's triangles each surface is, from 0, those counted that were dropped; one per surface.
+    pub faces: Vec<u32>,
     /// What was subtracted from the file's coordinates, metres.
     pub origin: DVec3,
     /// What was noticed.

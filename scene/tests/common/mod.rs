@@ -5,7 +5,11 @@ use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};
 use scene::obj::{ObjError, ObjModel};
-use scene::{Material, MaterialId, ObjectId, Provenance, Rgb, Scene, Solution, Surface};
+use scene::{
+    Level, Material, MaterialId, ObjectId, Provenance, RecordedSettings, Rgb, Scene, Solution,
+    State, Surface,
+};
+use serde_json::json;
 use tempfile::TempDir;
 
 pub fn material(name: &str, reflectance: [f32; 3], emission: [f32; 3]) -> Material {
@@ -24,7 +28,7 @@ pub fn surface(corners: [[f32; 3]; 3], material: u32, object: u32) -> Surface {
     }
 }
 
-/// Two triangles of 1 and 4 patches, two materials, two objects, an origin.
+/// Two triangles of 1 and 4 patches, the faces 3 and 7, two materials, two objects, an origin.
 pub fn small_scene() -> Scene {
     Scene::new(
         vec![
@@ -40,33 +44,47 @@ pub fn small_scene() -> Scene {
         DVec3::new(16.0, -8.0, 0.0),
     )
     .unwrap()
+    .with_faces(vec![3, 7])
+    .unwrap()
 }
 
-/// Values that no other patch has, with all optional parts.
+/// Values that no other patch has: an iteration under way, and patches that gather.
 pub fn small_solution(scene: &Scene) -> Solution {
-    let values = |offset: f32| -> Vec<Rgb> {
-        (0..scene.patch_count())
-            .map(|p| Rgb::new(offset, p as f32, 1.0) / 3.0)
-            .collect()
-    };
     Solution {
-        irradiance: values(1.0),
+        irradiance: small_values(scene, 1.0),
         provenance: Provenance {
-            solver: "jacobi".into(),
-            settings: "resolution 100".into(),
+            settings: Some(RecordedSettings::new(
+                &json!({"resolution": 100, "seed": "7"}),
+            )),
             iterations: 2,
             residuals: vec![0.1, 1.0 / 3.0],
-            sources: Some(scene::Sources {
+            level: Level::Gathering {
                 max_area: 0.1,
-                is_gathering: true,
-            }),
+                gathered: small_values(scene, 3.0)[..4].to_vec(),
+            },
         },
-        unfinished: Some(scene::Unfinished {
-            irradiance: values(2.0)[..3].to_vec(),
-        }),
-        unshot: Some(values(4.0)),
-        remainder: Some(values(5.0)),
+        state: State::Unfinished {
+            irradiance: small_values(scene, 2.0)[..3].to_vec(),
+        },
     }
+}
+
+/// The same of shooting among sources.
+pub fn small_shooting_solution(scene: &Scene) -> Solution {
+    let mut solution = small_solution(scene);
+    solution.provenance.level = Level::Sources { max_area: 0.1 };
+    solution.state = State::Shooting {
+        unshot: small_values(scene, 4.0),
+        remainder: small_values(scene, 5.0),
+    };
+    solution
+}
+
+/// Different values, one per patch.
+fn small_values(scene: &Scene, offset: f32) -> Vec<Rgb> {
+    (0..scene.patch_count())
+        .map(|p| Rgb::new(offset, p as f32, 1.0) / 3.0)
+        .collect()
 }
 
 pub fn folder() -> TempDir {
