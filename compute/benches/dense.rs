@@ -11,6 +11,7 @@ use std::hint::black_box;
 use std::sync::Arc;
 
 use compute::hemicubes::Hemicubes;
+use compute::receivers::ReceiverId;
 use compute::settings::{FormFactorSettings, Points};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use scene::{PatchId, Scene};
@@ -45,8 +46,8 @@ fn of(c: &mut Criterion, name: &str, make: fn(u32) -> anyhow::Result<Scene>) {
         group.bench_function(BenchmarkId::from_parameter(triangles), |b| {
             b.iter(|| {
                 for &patch in &patches {
-                    let frame = hemicubes.frames(patch)[0];
-                    let own = hemicubes.surface_of(patch);
+                    let frame = hemicubes.receivers().frames(ReceiverId(patch.0))[0];
+                    let own = hemicubes.receivers().surface(ReceiverId(patch.0));
                     drawer.draw(own, &frame, NOTHING, BACK_FACE, |_, _, ids| {
                         black_box(ids);
                     });

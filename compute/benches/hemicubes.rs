@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use compute::cpu::RowDrawer;
 use compute::hemicubes::Hemicubes;
+use compute::receivers::ReceiverId;
 use compute::settings::{FormFactorSettings, Points};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use genx::{Model, Settings};
@@ -56,9 +57,9 @@ fn item_buffers(c: &mut Criterion, name: &str, scenes: &[Scene]) {
         group.bench_function(BenchmarkId::from_parameter(scene.patch_count()), |b| {
             b.iter(|| {
                 for &patch in &patches {
-                    let frame = hemicubes.frames(patch)[0];
+                    let frame = hemicubes.receivers().frames(ReceiverId(patch.0))[0];
                     drawer.draw(
-                        hemicubes.surface_of(patch),
+                        hemicubes.receivers().surface(ReceiverId(patch.0)),
                         &frame,
                         NOTHING,
                         BACK_FACE,
@@ -83,7 +84,10 @@ fn look_ups(c: &mut Criterion, name: &str, scenes: &[Scene]) {
             .collect();
         let mut pictures = Vec::new();
         for ((viewer, canvases), patch) in drawn.iter_mut().zip(patches(scene)) {
-            let (own, frame) = (hemicubes.surface_of(patch), hemicubes.frames(patch)[0]);
+            let (own, frame) = (
+                hemicubes.receivers().surface(ReceiverId(patch.0)),
+                hemicubes.receivers().frames(ReceiverId(patch.0))[0],
+            );
             let hemicube = viewer.hemicube(RESOLUTION, &frame, own);
             let faces = canvases.iter_mut().enumerate();
             pictures.extend(faces.map(|(face, canvas)| canvas.draw_face(&hemicube, face)));
@@ -109,7 +113,7 @@ fn rows(c: &mut Criterion, name: &str, scenes: &[Scene]) {
         group.bench_function(BenchmarkId::from_parameter(scene.patch_count()), |b| {
             b.iter(|| {
                 for &patch in &patches {
-                    black_box(drawer.row(patch));
+                    black_box(drawer.row(ReceiverId(patch.0)));
                 }
             });
         });

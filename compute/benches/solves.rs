@@ -1,14 +1,12 @@
 //! Iterations over kept rows, and whole solves, on all cores. `cargo bench -p compute --bench solves`.
 
 use std::hint::black_box;
-use std::sync::Arc;
 
-use compute::cpu::CpuRows;
-use compute::hemicubes::Hemicubes;
-use compute::lamps::with_lamps;
+use compute::FormFactors;
+use compute::form_factors::Needed;
 use compute::problem::Problem;
 use compute::row_cache::RowCache;
-use compute::settings::{FormFactorSettings, LampViews};
+use compute::settings::{BackendChoice, Drawing, FormFactorSettings};
 use compute::solver::{Gather, Shoot, Solver, Update};
 use criterion::{Criterion, SamplingMode, criterion_group, criterion_main};
 use genx::{Model, Settings};
@@ -46,13 +44,13 @@ fn scene(model: &Model) -> Scene {
 
 /// Rows of which none is drawn yet.
 fn rows(scene: &Scene) -> RowCache<'_> {
-    let hemicubes = Arc::new(Hemicubes::new(scene, FormFactorSettings::new(RESOLUTION)));
-    let source = with_lamps(
-        &hemicubes,
-        LampViews::Auto,
-        Box::new(CpuRows::new(&hemicubes)),
-    );
-    RowCache::new(&hemicubes, source, u64::MAX)
+    let drawing = Drawing {
+        backend: BackendChoice::Cpu,
+        memory_bytes: u64::MAX,
+    };
+    let form_factors = FormFactors::new(scene, FormFactorSettings::new(RESOLUTION), drawing);
+    let rows = form_factors.rows(Needed::All);
+    rows.expect("the cpu is always there")
 }
 
 /// Of Jacobi and of Gauss-Seidel; shooting has none.

@@ -94,14 +94,14 @@ fn measure(name: &str, scene: &Scene, resolution: u32) -> anyhow::Result<()> {
         };
         let compact_secs = best(&|| {
             compact.par_iter().for_each(|batch| {
-                for k in 0..batch.patches().len() {
+                for k in 0..batch.receivers().len() {
                     black_box(gatherer.gather(batch.row(k), &channels));
                 }
             });
         });
         let plain_secs = best(&|| {
             drawn.par_iter().for_each(|batch| {
-                for k in 0..batch.patches().len() {
+                for k in 0..batch.receivers().len() {
                     black_box(gather_plain(batch.row(k), &radiosity));
                 }
             });
@@ -128,6 +128,6 @@ fn measure(name: &str, scene: &Scene, resolution: u32) -> anyhow::Result<()> {
 
 fn gather_plain(row: &[Entry], radiosity: &[Rgb]) -> DVec3 {
     row.iter()
-        .map(|entry| f64::from(entry.units) * radiosity[entry.patch as usize].as_dvec3())
+        .map(|entry| f64::from(entry.units) * radiosity[entry.source as usize].as_dvec3())
         .sum()
 }

@@ -28,6 +28,7 @@ use serde::Serialize;
 
 use crate::row_cache::RowCache;
 use crate::rows::UNITS_PER_ONE;
+use crate::sources::SourceId;
 use culprit::{Loss, culprit};
 
 pub use received::Received;
@@ -127,7 +128,7 @@ pub struct Finding {
 
 /// What the rows drawn so far certify, together with the solution's `imbalance` and last `residual`.
 pub fn certify(rows: &RowCache, imbalance: Option<f64>, residual: Option<f64>) -> Certificate {
-    let scene = rows.hemicubes().receivers();
+    let scene = rows.sources().patches();
     let areas = scene.patch_areas();
     let exchange = Exchange::new(rows, &areas);
     let rows_drawn = rows.unseen().iter().flatten().count() as u32;
@@ -162,7 +163,7 @@ pub fn certify(rows: &RowCache, imbalance: Option<f64>, residual: Option<f64>) -
         let &(patch, worst_share) = worst.first()?;
         Some(Finding {
             share,
-            culprit: culprit(rows.hemicubes(), loss, &worst),
+            culprit: culprit(rows, loss, &worst),
             worst_patch: patch as u32,
             worst_object: object_name(scene, patch),
             worst_share,
@@ -231,14 +232,14 @@ struct Exchange {
 impl Exchange {
     /// `areas` has one element per patch, m^2.
     fn new(rows: &RowCache, areas: &[f64]) -> Self {
-        let hemicubes = rows.hemicubes();
+        let sources = rows.sources();
         let mut exchange = Self {
-            sources: Vec::with_capacity(hemicubes.sources().patch_count() as usize),
+            sources: Vec::with_capacity(sources.count() as usize),
             is_seen: Vec::with_capacity(areas.len()),
         };
-        for source in 0..hemicubes.sources().patch_count() {
+        for source in 0..sources.count() {
             let [mut area, mut sent, mut sent_to_backs] = [0.0; 3];
-            let patches = hemicubes.receivers_of(PatchId(source));
+            let patches = sources.patches_in(SourceId(source));
             for i in patches.clone().map(|patch| patch as usize) {
                 let back_face = rows.unseen()[i].map_or(0, |unseen| unseen.back_face);
                 area += areas[i];
@@ -254,19 +255,19 @@ impl Exchange {
     }
 
     fn reciprocity(&self, rows: &RowCache) -> Reciprocity {
-        let hemicubes = rows.hemicubes();
+        let sources = rows.sources();
         let is_unlit = rows.unlit();
         // Unlit patches, whose rows nobody knows, see no lit ones but black ones.
         let all_lit = !is_unlit.contains(&true);
-        let reflectances = hemicubes.receivers().patch_reflectances();
+        let reflectances = sources.patches().patch_reflectances();
         let counts = |source: u32| {
-            let patch = hemicubes.receivers_of(PatchId(source)).start as usize;
+            let patch = sources.patches_in(SourceId(source)).start as usize;
             all_lit || !is_unlit[patch] && reflectances[patch].max_element() > 0.0
         };
         let (mut squares, mut whole) = (0.0, 0.0);
         let (mut worst_source, mut worst) = (0, 0.0_f64);
-        let sources = (0..).zip(&self.sources);
-        for (source, &[area, sent, received]) in sources.filter(|&(source, _)| counts(source)) {
+        let exchanges = (0..).zip(&self.sources);
+        for (source, &[area, sent, received]) in exchanges.filter(|&(source, _)| counts(source)) {
             let larger = sent.max(received);
             let by_chance = sent == 0.0 && received <= SEEN_BY_CHANCE * area;
             let difference = if by_chance {
@@ -280,11 +281,11 @@ impl Exchange {
                 (worst_source, worst) = (source, difference);
             }
         }
-        let worst_patch = hemicubes.receivers_of(PatchId(worst_source)).start;
+        let worst_patch = sources.patches_in(SourceId(worst_source)).start;
         Reciprocity {
             rms: (squares / f64::max(whole, f64::MIN_POSITIVE)).sqrt(),
             worst_patch,
-            worst_object: object_name(hemicubes.receivers(), worst_patch as usize),
+            worst_object: object_name(sources.patches(), worst_patch as usize),
             worst,
         }
     }

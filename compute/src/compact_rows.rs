@@ -93,10 +93,10 @@ impl Exact {
     }
 }
 
-/// Rows of consecutive patches.
+/// Rows of consecutive receivers.
 #[derive(Clone, Debug)]
 pub struct CompactRows {
-    first_patch: u32,
+    first: u32,
     /// Where each row ends in the others, one per row.
     ends: Vec<End>,
     /// One per block.
@@ -124,7 +124,7 @@ impl CompactRows {
     /// No rows.
     pub fn new() -> Self {
         Self {
-            first_patch: 0,
+            first: 0,
             ends: Vec::new(),
             headers: Vec::new(),
             numbers: vec![0; LANES],
@@ -134,7 +134,7 @@ impl CompactRows {
 
     /// The rows of a batch; takes no more memory than they need.
     pub fn encode(batch: &RowBatch, exact: &Exact) -> Self {
-        let pieces: Vec<Encoder> = (0..batch.patches().len())
+        let pieces: Vec<Encoder> = (0..batch.receivers().len())
             .into_par_iter()
             .with_min_len(8)
             .fold(Encoder::default, |mut encoder, k| {
@@ -144,8 +144,8 @@ impl CompactRows {
             .collect();
         let total = |length: fn(&Encoder) -> usize| pieces.iter().map(length).sum::<usize>();
         let mut rows = Self {
-            first_patch: batch.patches().start,
-            ends: Vec::with_capacity(batch.patches().len()),
+            first: batch.receivers().start,
+            ends: Vec::with_capacity(batch.receivers().len()),
             headers: Vec::with_capacity(total(|piece| piece.headers.len())),
             numbers: Vec::with_capacity(total(|piece| piece.numbers.len()) + LANES),
             entries: pieces.iter().map(|piece| piece.entries).sum(),
@@ -163,12 +163,12 @@ impl CompactRows {
         rows
     }
 
-    /// The patches whose rows these are.
-    pub fn patches(&self) -> Range<u32> {
-        self.first_patch..self.first_patch + self.ends.len() as u32
+    /// The receivers whose rows these are.
+    pub fn receivers(&self) -> Range<u32> {
+        self.first..self.first + self.ends.len() as u32
     }
 
-    /// The row of the batch's k-th patch.
+    /// The row of the batch's k-th receiver.
     pub fn row(&self, k: usize) -> Row<'_> {
         let start = if k == 0 {
             End::default()
@@ -215,8 +215,8 @@ impl Encoder {
         // What rounding has left out so far, units.
         let mut left_out = 0.0;
         let mut next_block = 0;
-        for block in row.chunk_by(|a, b| a.patch as usize / BLOCK == b.patch as usize / BLOCK) {
-            let index = block[0].patch / BLOCK as u32;
+        for block in row.chunk_by(|a, b| a.source as usize / BLOCK == b.source as usize / BLOCK) {
+            let index = block[0].source / BLOCK as u32;
             let mut skipped = index - next_block;
             while skipped > MOST_SKIPPED {
                 self.headers.push(MOST_SKIPPED << 16);
@@ -230,11 +230,11 @@ impl Encoder {
             };
             let bits = block
                 .iter()
-                .fold(0, |bits, entry| bits | 1 << (entry.patch % BLOCK as u32));
+                .fold(0, |bits, entry| bits | 1 << (entry.source % BLOCK as u32));
             self.headers.push(storage << 24 | skipped << 16 | bits);
             if storage == WIDE {
                 let halves =
-                    block.chunk_by(|a, b| a.patch as usize / LANES == b.patch as usize / LANES);
+                    block.chunk_by(|a, b| a.source as usize / LANES == b.source as usize / LANES);
                 for half in halves {
                     let bits = half.iter().map(|entry| entry.units.to_bits());
                     self.numbers.extend(bits.clone().map(|bits| bits as u16));
@@ -324,7 +324,7 @@ impl<'a> IntoIterator for Row<'a> {
             row: self,
             next_block: 0,
             decoded: [Entry {
-                patch: 0,
+                source: 0,
                 units: 0.0,
             }; BLOCK],
             handed_out: 0..0,
@@ -362,7 +362,10 @@ impl Entries<'_> {
                     f32::from(numbers[k]) * step(header.storage)
                 };
                 let patch = block * BLOCK as u32 + 8 * half + bits.trailing_zeros();
-                self.decoded[count] = Entry { patch, units };
+                self.decoded[count] = Entry {
+                    source: patch,
+                    units,
+                };
                 bits &= bits - 1;
                 count += 1;
             }

@@ -28,6 +28,7 @@ use visibility::{COORDINATE_ULPS, Drawable, Frame};
 
 use crate::hemicubes::Hemicubes;
 use crate::polygon_form_factor::edge_term;
+use crate::receivers::ReceiverId;
 use crate::rows::{BackendError, Entry, Row, RowBatch, RowSource, UNITS_PER_ONE, Unseen};
 use crate::settings::Maps;
 
@@ -54,32 +55,33 @@ impl<'a> ConvexRows<'a> {
     /// Rows of a scene in which nothing hides anything; `None` where something may, where drawing hemicubes costs
     /// less, and for the thesis's maps.
     pub fn new(hemicubes: &Arc<Hemicubes<'a>>) -> Option<Self> {
-        let (settings, sources) = (hemicubes.settings(), hemicubes.sources());
-        let most = pixel_count(settings.resolution) / PIXELS_PER_SOURCE;
-        if settings.maps == Maps::Thesis || sources.patch_count() as usize > most {
+        let sources = hemicubes.sources();
+        let most = pixel_count(hemicubes.resolution()) / PIXELS_PER_SOURCE;
+        if hemicubes.maps() == Maps::Thesis || sources.count() as usize > most {
             return None;
         }
         let facets = facets(hemicubes.drawable());
         is_unobstructed(hemicubes.drawable(), &facets).then(|| Self {
             hemicubes: Arc::clone(hemicubes),
             facets,
-            mesh: Mesh::new(sources),
+            mesh: Mesh::new(sources.scene()),
         })
     }
 
-    /// The row of one patch.
-    fn row(&self, patch: PatchId) -> Row {
-        let own = self.hemicubes.surface_of(patch);
-        let facet = &self.facets[self.hemicubes.drawable().region_of(own) as usize];
-        let frames = self.hemicubes.frames(patch);
+    /// The row of one receiver.
+    fn row(&self, receiver: ReceiverId) -> Row {
+        let receivers = self.hemicubes.receivers();
+        let own = receivers.surface(receiver);
+        let facet = own.map(|own| &self.facets[self.hemicubes.drawable().region_of(own) as usize]);
+        let frames = receivers.frames(receiver);
         let mut factors = vec![0.0; self.mesh.patches.len()];
         for frame in &frames {
             self.mesh.add_factors(frame, facet, &mut factors);
         }
         let one = f64::from(UNITS_PER_ONE);
         let units_each = one / frames.len() as f64;
-        let row = (0..).zip(&factors).map(|(patch, factor)| Entry {
-            patch,
+        let row = (0..).zip(&factors).map(|(source, factor)| Entry {
+            source,
             units: (factor * units_each) as f32,
         });
         let entries = row.filter(|entry| entry.units > 0.0).collect();
@@ -93,12 +95,12 @@ impl<'a> ConvexRows<'a> {
 }
 
 impl RowSource for ConvexRows<'_> {
-    fn draw_rows(&mut self, patches: Range<u32>) -> Result<RowBatch, BackendError> {
-        let first = patches.start;
-        let rows = patches
+    fn draw_rows(&mut self, receivers: Range<u32>) -> Result<RowBatch, BackendError> {
+        let first = receivers.start;
+        let rows = receivers
             .into_par_iter()
             .with_min_len(ROWS_PER_TASK)
-            .map(|patch| self.row(PatchId(patch)))
+            .map(|receiver| self.row(ReceiverId(receiver)))
             .collect();
         Ok(RowBatch::of(first, rows))
     }
@@ -223,8 +225,8 @@ impl Mesh {
         mesh
     }
 
-    /// Adds the form factors from a point to all patches but those in its own facet.
-    fn add_factors(&self, frame: &Frame, facet: &Facet, factors: &mut [f64]) {
+    /// Adds the form factors from a point to all patches but those in its own facet, where it lies on one.
+    fn add_factors(&self, frame: &Frame, facet: Option<&Facet>, factors: &mut [f64]) {
         let mut sums = vec![0.0; factors.len()];
         for edge in &self.edges {
             let [p, q] = [edge.from, edge.to].map(|k| self.vertices[k as usize] - frame.position);
@@ -237,7 +239,7 @@ impl Mesh {
         let is_above: Vec<bool> = self
             .vertices
             .iter()
-            .map(|&p| facet.height(p) > facet.tolerance)
+            .map(|&p| facet.is_none_or(|facet| facet.height(p) > facet.tolerance))
             .collect();
         for ((corners, sum), factor) in self.patches.iter().zip(&sums).zip(factors) {
             // Corners go counter-clockwise as the point sees them, and so clockwise about its normal: the sum is

@@ -7,13 +7,13 @@ use std::sync::Arc;
 use fearless_simd::{Level, Simd, dispatch, prelude::*, u32x8};
 use fearless_simd_macros::simd;
 use rayon::prelude::*;
-use scene::PatchId;
 use thread_local::ThreadLocal;
 use visibility::hemicube::pixel_count;
 use visibility::item_buffer::HemicubeDrawer;
 use visibility::runs::for_each_run;
 
 use crate::hemicubes::Hemicubes;
+use crate::receivers::ReceiverId;
 use crate::rows::{BackendError, Entry, Row, RowBatch, RowSource, Unseen};
 
 /// The cpu back end. It draws on the threads of the rayon pool it is called in.
@@ -39,23 +39,23 @@ impl<'a> CpuRows<'a> {
 }
 
 impl RowSource for CpuRows<'_> {
-    fn draw_rows(&mut self, patches: Range<u32>) -> Result<RowBatch, BackendError> {
-        let first = patches.start;
-        let rows = patches
+    fn draw_rows(&mut self, receivers: Range<u32>) -> Result<RowBatch, BackendError> {
+        let first = receivers.start;
+        let rows = receivers
             .into_par_iter()
             .with_max_len(1)
-            .map(|patch| {
+            .map(|receiver| {
                 let drawer = self
                     .drawers
                     .get_or(|| RefCell::new(RowDrawer::new(&self.hemicubes)));
-                drawer.borrow_mut().row(PatchId(patch))
+                drawer.borrow_mut().row(ReceiverId(receiver))
             })
             .collect();
         Ok(RowBatch::of(first, rows))
     }
 
     fn preferred_batch(&self) -> u32 {
-        let pixels = pixel_count(self.hemicubes.settings().resolution);
+        let pixels = pixel_count(self.hemicubes.resolution());
         let rows = (PIXELS_PER_THREAD / pixels).clamp(1, MOST_ROWS_PER_THREAD);
         (rayon::current_num_threads() * rows) as u32
     }
@@ -82,23 +82,23 @@ pub struct RowDrawer<'a> {
 impl<'a> RowDrawer<'a> {
     /// A drawer of rows.
     pub fn new(hemicubes: &Arc<Hemicubes<'a>>) -> Self {
-        let resolution = hemicubes.settings().resolution;
+        let resolution = hemicubes.resolution();
         Self {
             hemicubes: Arc::clone(hemicubes),
             drawer: HemicubeDrawer::new(hemicubes.drawable(), resolution),
-            merger: Merger::new(hemicubes.sources().patch_count()),
+            merger: Merger::new(hemicubes.sources().count()),
             entry_count: 0,
         }
     }
 
-    /// The row of one patch.
-    pub fn row(&mut self, patch: PatchId) -> Row {
-        let factors = self
-            .hemicubes
-            .delta_form_factors(self.hemicubes.count(patch));
-        let own = self.hemicubes.surface_of(patch);
+    /// The row of one receiver.
+    pub fn row(&mut self, receiver: ReceiverId) -> Row {
+        let receivers = self.hemicubes.receivers();
+        let frames = receivers.frames(receiver);
+        let factors = self.hemicubes.delta_form_factors(frames.len() as u32);
+        let own = receivers.surface(receiver);
         let (nothing, back_face) = (self.merger.nothing(), self.merger.back_face());
-        for frame in self.hemicubes.frames(patch) {
+        for frame in frames {
             self.drawer
                 .draw(own, &frame, nothing, back_face, |face, j, ids| {
                     self.merger.add(ids, factors.row_sums(face, j));
@@ -188,7 +188,7 @@ impl Merger {
                 let index = is_used.trailing_zeros();
                 is_used &= is_used - 1;
                 row.push(Entry {
-                    patch: (k * BLOCK) as u32 + index,
+                    source: (k * BLOCK) as u32 + index,
                     units: std::mem::take(&mut block[index as usize]) as f32,
                 });
             }

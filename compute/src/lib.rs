@@ -6,29 +6,38 @@
 //! [`run`](mod@run) joins all of it, with checkpoints, and [`report`]s.
 
 pub mod backend;
+pub mod cancel;
 pub mod certificate;
-pub mod cli;
 pub mod compact_rows;
 pub mod convex;
 pub mod cpu;
 pub mod delta_form_factors;
-mod form_factors_csv;
+pub mod form_factors;
+pub mod form_factors_csv;
+#[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod hemicubes;
-pub mod interrupt;
 pub mod lamps;
 pub mod polygon_form_factor;
 pub mod problem;
-mod progress;
+#[cfg(feature = "program")]
+pub mod program;
 pub mod quantity;
+pub mod receivers;
 pub mod report;
 pub mod row_cache;
 pub mod rows;
-pub mod run;
 pub mod settings;
+pub mod solve;
 pub mod solver;
+pub mod sources;
 mod sphere;
+mod triangle;
 pub mod two_levels;
 pub mod unlit;
 pub mod verify;
 pub mod view_factors;
+
+pub use cancel::CancelToken;
+pub use form_factors::FormFactors;
+pub use solve::{Solve, Solved};

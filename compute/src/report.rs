@@ -6,6 +6,7 @@
 //! back faces, which are black. At the solution they balance up to the error of the form factors'
 //! reciprocity: patches gather by F_ij, and leave by F_ji. The imbalance says how large that is.
 
+use std::path::Path;
 use std::time::Duration;
 
 use glam::DVec3;
@@ -16,7 +17,8 @@ use crate::certificate::Certificate;
 use crate::quantity::{show_duration, show_size};
 use crate::row_cache::RowCache;
 use crate::rows::UNITS_PER_ONE;
-use crate::settings::{Settings, SolutionSettings};
+use crate::settings::{SolutionSettings, SolveSettings};
+use crate::solve::Solved;
 use crate::solver::convergence::Convergence;
 
 /// Why a run ended.
@@ -185,10 +187,9 @@ pub struct Seconds {
 }
 
 impl Seconds {
-    /// Splits what is not known yet into drawing and the rest.
-    pub fn finish(&mut self, total: Duration, draw: Duration) {
+    /// Takes what is not known of the total for solving.
+    pub fn finish(&mut self, total: Duration) {
         self.total = total.as_secs_f64();
-        self.draw = draw.as_secs_f64();
         self.solve = (self.total - self.load - self.open - self.draw - self.write).max(0.0);
     }
 }
@@ -282,7 +283,60 @@ pub fn peak_memory_bytes() -> Option<u64> {
     Some(kibibytes * 1024)
 }
 
+/// The files of a run.
+#[derive(Clone, Copy, Debug)]
+pub struct Files<'a> {
+    /// The scene.
+    pub input: &'a Path,
+    /// The result.
+    pub output: &'a Path,
+}
+
 impl Report {
+    /// The report of a run on the threads of the rayon pool it is called in.
+    pub fn new(
+        files: &Files,
+        scene: &Scene,
+        settings: &SolveSettings,
+        strict: bool,
+        solved: &Solved,
+    ) -> Self {
+        let solution = solved.solution();
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            input: files.input.display().to_string(),
+            output: files.output.display().to_string(),
+            settings: SettingsReport::new(settings, rayon::current_num_threads(), strict),
+            backend: BackendReport {
+                name: solved.backend,
+                adapter: solved.adapter.clone(),
+            },
+            patches: scene.patch_count(),
+            surfaces: scene.surfaces().len(),
+            unlit_patches: solved.unlit_patches,
+            hemicubes_drawn: solved.rows.hemicubes,
+            sources: solved.sources,
+            rows: RowsReport {
+                kept: solved.rows.kept_rows,
+                kept_bytes: solved.rows.kept_bytes,
+                bytes_per_entry: solved.rows.bytes_per_entry(),
+            },
+            seconds: solved.seconds,
+            peak_memory_bytes: peak_memory_bytes(),
+            iterations: solution.provenance.iterations,
+            iterations_before: solved.iterations_before,
+            next_iteration_share: solution.next_iteration_share(),
+            residuals: solution.provenance.residuals.clone(),
+            convergence: solved.convergence,
+            ambient_radiosity: solved.ambient_radiosity,
+            energy: solved.energy,
+            closure: solved.closure,
+            back_face_share: solved.back_face_share,
+            certificate: solved.certificate().clone(),
+            stopped_by: solved.stopped_by,
+        }
+    }
+
     /// Why the run counts as a failure though its result is written.
     pub fn strict_failure(&self) -> Option<String> {
         let violations = &self.certificate.violations;
@@ -409,15 +463,15 @@ fn duration(seconds: f64) -> Duration {
 
 impl SettingsReport {
     /// The settings of a run on so many threads.
-    pub fn new(settings: &Settings, threads: usize) -> Self {
+    pub fn new(settings: &SolveSettings, threads: usize, strict: bool) -> Self {
         Self {
             solution: settings.solution,
             tolerance: settings.tolerance,
             iterations: settings.max_iterations,
             time_limit_seconds: settings.time_limit.map(|limit| limit.as_secs_f64()),
             threads,
-            memory_bytes: settings.memory_bytes,
-            strict: settings.strict,
+            memory_bytes: settings.drawing.memory_bytes,
+            strict,
         }
     }
 }

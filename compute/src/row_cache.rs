@@ -6,13 +6,13 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use scene::PatchId;
-
+use crate::cancel::CancelToken;
 use crate::certificate::Received;
 use crate::compact_rows::{self, CompactRows, Exact};
 use crate::hemicubes::Hemicubes;
-use crate::interrupt;
+use crate::receivers::ReceiverId;
 use crate::rows::{BackendError, Row, RowBatch, RowSource, Unseen};
+use crate::sources::Sources;
 
 /// All rows of a scene, as far as anybody asks for them.
 pub struct RowCache<'a> {
@@ -32,6 +32,8 @@ pub struct RowCache<'a> {
     statistics: RowStatistics,
     /// Patches whose rows are taken to be empty and are not drawn; one per patch.
     unlit: Vec<bool>,
+    cancel: CancelToken,
+    remark: Option<String>,
 }
 
 /// What drawing has cost.
@@ -84,20 +86,49 @@ impl<'a> RowCache<'a> {
         source: Box<dyn RowSource + 'a>,
         budget_bytes: u64,
     ) -> Self {
-        let (receivers, sources) = (hemicubes.receivers(), hemicubes.sources());
+        let sources = hemicubes.sources();
+        let patches = sources.patches();
+        let patch_count = patches.patch_count();
         Self {
             hemicubes: Arc::clone(hemicubes),
             source,
-            patch_count: receivers.patch_count(),
+            patch_count,
             budget_bytes,
             kept: BTreeMap::new(),
             passing: CompactRows::new(),
-            exact: Exact::new(&sources.patch_emissions()),
-            unseen: vec![None; receivers.patch_count() as usize],
-            received: Received::new(&receivers.patch_areas(), sources.patch_count()),
+            exact: Exact::new(&sources.scene().patch_emissions()),
+            unseen: vec![None; patch_count as usize],
+            received: Received::new(&patches.patch_areas(), sources.count()),
             statistics: RowStatistics::default(),
-            unlit: vec![false; receivers.patch_count() as usize],
+            unlit: vec![false; patch_count as usize],
+            cancel: CancelToken::new(),
+            remark: None,
         }
+    }
+
+    /// The same, whose drawing of many rows ends early where the token says so.
+    #[must_use]
+    pub fn with_cancel(self, cancel: &CancelToken) -> Self {
+        Self {
+            cancel: cancel.clone(),
+            ..self
+        }
+    }
+
+    /// The same, with something that a user should know about the choice of the back end.
+    #[must_use]
+    pub fn with_remark(self, remark: Option<String>) -> Self {
+        Self { remark, ..self }
+    }
+
+    /// What a user should know about the choice of the back end.
+    pub fn remark(&self) -> Option<&str> {
+        self.remark.as_deref()
+    }
+
+    /// Tells work on many rows to end early.
+    pub fn cancel(&self) -> &CancelToken {
+        &self.cancel
     }
 
     /// Takes the rows of some patches to be empty, whose irradiance is known to be 0, see [`crate::unlit`]; `unlit`
@@ -119,6 +150,21 @@ impl<'a> RowCache<'a> {
     /// The hemicubes that the rows come from.
     pub fn hemicubes(&self) -> &Hemicubes<'a> {
         &self.hemicubes
+    }
+
+    /// What the patches see.
+    pub fn sources(&self) -> &Sources<'a> {
+        self.hemicubes.sources()
+    }
+
+    /// False where the rows are formulas.
+    pub fn has_hemicubes(&self) -> bool {
+        self.source.draws_hemicubes()
+    }
+
+    /// The back end's name, `cpu` or `gpu`.
+    pub fn backend(&self) -> &'static str {
+        self.source.backend()
     }
 
     /// What the back end calls itself.
@@ -144,18 +190,18 @@ impl<'a> RowCache<'a> {
     /// Hands out the rows of all patches in patch order, drawing those that are not kept.
     ///
     /// # Errors
-    /// What `take` and the back end say; [`io::ErrorKind::Interrupted`] where the user asked.
+    /// What `take` and the back end say; [`io::ErrorKind::Interrupted`] where the token says so.
     pub fn for_each_row(
         &mut self,
         mut take: impl FnMut(u32, compact_rows::Row) -> io::Result<()>,
     ) -> io::Result<()> {
         let mut patch = 0;
         while patch < self.patch_count {
-            if interrupt::requested() {
+            if self.cancel.is_cancelled() {
                 return Err(io::ErrorKind::Interrupted.into());
             }
             let batch = self.batch_with(patch).map_err(io::Error::other)?;
-            let range = batch.patches();
+            let range = batch.receivers();
             for from in patch..range.end {
                 take(from, batch.row((from - range.start) as usize))?;
             }
@@ -167,7 +213,7 @@ impl<'a> RowCache<'a> {
     /// Draws the rows that were not drawn in this run, but for those that nobody needs.
     pub fn draw_missing(&mut self) -> Result<(), BackendError> {
         while let Some(patch) = self.first_missing() {
-            if interrupt::requested() {
+            if self.cancel.is_cancelled() {
                 break;
             }
             self.batch_with(patch as u32)?;
@@ -200,11 +246,11 @@ impl<'a> RowCache<'a> {
     fn batch_of(&mut self, patch: u32, most: u32) -> Result<&CompactRows, BackendError> {
         let before = self.kept.range(..=patch).next_back();
         if let Some((&first, batch)) = before
-            && batch.patches().contains(&patch)
+            && batch.receivers().contains(&patch)
         {
             return Ok(&self.kept[&first]);
         }
-        if self.passing.patches().contains(&patch) {
+        if self.passing.receivers().contains(&patch) {
             return Ok(&self.passing);
         }
         let next_kept = self
@@ -248,7 +294,7 @@ impl<'a> RowCache<'a> {
         let has_hemicubes = self.source.draws_hemicubes();
         let number = |patch| {
             if has_hemicubes {
-                self.hemicubes.first(PatchId(patch))
+                self.hemicubes.receivers().first_point(ReceiverId(patch))
             } else {
                 0
             }
@@ -282,15 +328,15 @@ impl<'a> RowCache<'a> {
         bytes: u64,
     ) -> Result<Vec<&CompactRows>, BackendError> {
         let first = self.batch_with(patch)?;
-        let mut end = first.patches().end;
-        let start = first.patches().start;
+        let mut end = first.receivers().end;
+        let start = first.receivers().start;
         if !self.kept.contains_key(&start) {
             return Ok(vec![&self.passing]);
         }
         let mut left = bytes;
         let run = self.kept.range(start..).take_while(|&(&first, batch)| {
             let goes_on = first == start || (first == end && left > 0);
-            end = batch.patches().end;
+            end = batch.receivers().end;
             left = left.saturating_sub(batch.bytes());
             goes_on
         });

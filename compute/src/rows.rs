@@ -1,7 +1,7 @@
-//! Form factor rows: F_ij of some patches i to all patches j.
+//! Form factor rows: F_ij of some receivers i to all sources j.
 //!
-//! F_ij = units / UNITS_PER_ONE, the fraction of the power leaving patch i that arrives at patch
-//! j. Only non-zero entries are kept, in patch order. Geometry alone decides them.
+//! F_ij = units / UNITS_PER_ONE, the fraction of the power leaving receiver i that arrives at source
+//! j. Only non-zero entries are kept, in the order of the sources. Geometry alone decides them.
 
 use std::ops::Range;
 
@@ -12,14 +12,14 @@ pub const UNITS_PER_ONE: u32 = ((1 << 22) - 1) << 10;
 /// One non-zero form factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
-    /// The patch j that receives.
-    pub patch: u32,
+    /// The source j that arrives there.
+    pub source: u32,
     /// F_ij in units of 1/[`UNITS_PER_ONE`]: a whole number where pixels were counted, rounded to 24 bits; of
     /// any size where a formula gave it, since a lamp can be too far away for a unit.
     pub units: f32,
 }
 
-/// What of a hemisphere is not seen as a patch's front, in units of 1/[`UNITS_PER_ONE`].
+/// What of a hemisphere is not seen as a source's front, in units of 1/[`UNITS_PER_ONE`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Unseen {
     /// Share that sees nothing: an opening.
@@ -28,54 +28,54 @@ pub struct Unseen {
     pub back_face: u32,
 }
 
-/// The form factors of one patch.
+/// The form factors of one receiver.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Row {
-    /// In patch order.
+    /// In the order of the sources.
     pub entries: Vec<Entry>,
-    /// What the patch does not see as patches.
+    /// What the receiver does not see as sources.
     pub unseen: Unseen,
 }
 
-/// Rows of consecutive patches.
+/// Rows of consecutive receivers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RowBatch {
-    first_patch: u32,
+    first: u32,
     rows: Vec<Row>,
 }
 
 impl RowBatch {
-    /// A batch without rows, whose first will be that of `first_patch`.
-    pub fn new(first_patch: u32) -> Self {
-        Self::of(first_patch, Vec::new())
+    /// A batch without rows, whose first will be that of receiver `first`.
+    pub fn new(first: u32) -> Self {
+        Self::of(first, Vec::new())
     }
 
-    /// The rows of consecutive patches, the first of which is `first_patch`'s.
-    pub fn of(first_patch: u32, rows: Vec<Row>) -> Self {
-        Self { first_patch, rows }
+    /// The rows of consecutive receivers from `first` on.
+    pub fn of(first: u32, rows: Vec<Row>) -> Self {
+        Self { first, rows }
     }
 
-    /// Adds the next patch's row.
+    /// Adds the next receiver's row.
     pub fn push(&mut self, row: Row) {
         self.rows.push(row);
     }
 
-    /// Adds the rows of the patches that follow.
+    /// Adds the rows of the receivers that follow.
     pub fn append(&mut self, mut next: Self) {
         self.rows.append(&mut next.rows);
     }
 
-    /// The patches whose rows these are.
-    pub fn patches(&self) -> Range<u32> {
-        self.first_patch..self.first_patch + self.rows.len() as u32
+    /// The receivers whose rows these are.
+    pub fn receivers(&self) -> Range<u32> {
+        self.first..self.first + self.rows.len() as u32
     }
 
-    /// The row of the batch's k-th patch.
+    /// The row of the batch's k-th receiver.
     pub fn row(&self, k: usize) -> &[Entry] {
         &self.rows[k].entries
     }
 
-    /// What the batch's k-th patch does not see as patches.
+    /// What the batch's k-th receiver does not see as sources.
     pub fn unseen(&self, k: usize) -> Unseen {
         self.rows[k].unseen
     }
@@ -88,11 +88,16 @@ impl RowBatch {
 
 /// Something that makes form factor rows, of hemicubes as a rule: a back end.
 pub trait RowSource: Send {
-    /// Draws the rows of consecutive patches, which all exist.
-    fn draw_rows(&mut self, patches: Range<u32>) -> Result<RowBatch, BackendError>;
+    /// Draws the rows of consecutive receivers, which all exist.
+    fn draw_rows(&mut self, receivers: Range<u32>) -> Result<RowBatch, BackendError>;
 
-    /// How many patches it likes to be asked for at a time.
+    /// How many receivers it likes to be asked for at a time.
     fn preferred_batch(&self) -> u32;
+
+    /// The back end that draws, as on the command line: `cpu` or `gpu`.
+    fn backend(&self) -> &'static str {
+        "cpu"
+    }
 
     /// What it is, for people: "cpu, 2 threads" or an adapter's name.
     fn describe(&self) -> String;

@@ -1,6 +1,5 @@
-//! What a run is asked to do: plain, checked values, whatever they were given as.
+//! What decides form factors and solutions: plain, checked values, whatever they were given as.
 
-use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
 
@@ -87,34 +86,34 @@ pub enum Maps {
 
 /// How hemicubes are turned about their normals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Turns {
+pub enum Seed {
     /// All along their patches' reference edges.
     Aligned,
     /// Each by an angle of its own; another number gives other angles.
-    Seeded(u32),
+    Number(u32),
 }
 
-impl Turns {
+impl Seed {
     /// What a run does unless it is asked for something else.
-    pub const DEFAULT: Self = Self::Seeded(0);
+    pub const DEFAULT: Self = Self::Number(0);
 }
 
-impl std::fmt::Display for Turns {
+impl std::fmt::Display for Seed {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Aligned => f.write_str("aligned"),
-            Self::Seeded(seed) => write!(f, "{seed}"),
+            Self::Number(seed) => write!(f, "{seed}"),
         }
     }
 }
 
-impl FromStr for Turns {
+impl FromStr for Seed {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
         match (text, text.parse()) {
             ("aligned", _) => Ok(Self::Aligned),
-            (_, Ok(seed)) => Ok(Self::Seeded(seed)),
+            (_, Ok(seed)) => Ok(Self::Number(seed)),
             _ => Err(format!(
                 "\"{text}\" is neither aligned nor a whole number from 0 to {}",
                 u32::MAX
@@ -216,7 +215,7 @@ macro_rules! serialize_as_shown {
         }
     )*};
 }
-serialize_as_shown!(Points, Turns, SourceArea);
+serialize_as_shown!(Points, Seed, SourceArea);
 
 /// What decides the form factors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -228,8 +227,11 @@ pub struct FormFactorSettings {
     /// Where a patch's hemicubes stand.
     pub points: Points,
     /// How they are turned.
-    #[serde(rename = "seed")]
-    pub turns: Turns,
+    pub seed: Seed,
+    /// Which lamps get a view of their own.
+    pub lamps: LampViews,
+    /// Whether form factors are formulas where they can be; a back end that was asked for draws.
+    pub closed_forms: ClosedForms,
 }
 
 impl FormFactorSettings {
@@ -239,7 +241,35 @@ impl FormFactorSettings {
             resolution,
             maps: Maps::Exact,
             points: Points::Auto,
-            turns: Turns::DEFAULT,
+            seed: Seed::DEFAULT,
+            lamps: LampViews::Auto,
+            closed_forms: ClosedForms::Auto,
+        }
+    }
+}
+
+/// As a run has it by default.
+impl Default for FormFactorSettings {
+    fn default() -> Self {
+        Self::new(128)
+    }
+}
+
+/// How form factors are drawn and kept, which decides no bit of them but by the back end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Drawing {
+    /// Who draws.
+    pub backend: BackendChoice,
+    /// What kept rows may take, bytes.
+    pub memory_bytes: u64,
+}
+
+/// As a run has it by default.
+impl Default for Drawing {
+    fn default() -> Self {
+        Self {
+            backend: BackendChoice::Auto,
+            memory_bytes: 4 << 30,
         }
     }
 }
@@ -251,14 +281,21 @@ pub struct SolutionSettings {
     /// What decides the form factors.
     #[serde(flatten)]
     pub form_factors: FormFactorSettings,
-    /// Which lamps get a view of their own.
-    pub lamps: LampViews,
-    /// Whether form factors are formulas where they can be; a back end that was asked for draws.
-    pub closed_forms: ClosedForms,
     /// How coarse sources are.
     pub source_area: SourceArea,
     /// Who solves.
     pub solver: SolverChoice,
+}
+
+/// As a run has it by default.
+impl Default for SolutionSettings {
+    fn default() -> Self {
+        Self {
+            form_factors: FormFactorSettings::default(),
+            source_area: SourceArea::Auto,
+            solver: SolverChoice::Jacobi,
+        }
+    }
 }
 
 impl SolutionSettings {
@@ -275,37 +312,38 @@ impl SolutionSettings {
     }
 }
 
-/// Everything `compute` is asked to do.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
-    /// The scene, with or without a solution to go on from.
-    pub input: PathBuf,
-    /// Where the solution goes; may be `input`.
-    pub output: PathBuf,
+/// How a scene is solved, and how far.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolveSettings {
     /// What decides the solution.
     pub solution: SolutionSettings,
-    /// Who draws.
-    pub backend: BackendChoice,
-    /// Stop after this many iterations, those of a continued file included.
+    /// How form factors are drawn and kept.
+    pub drawing: Drawing,
+    /// Stop after this many iterations, those that the start has had included.
     pub max_iterations: Option<u64>,
     /// Stop at this relative residual.
     pub tolerance: f64,
     /// Stop after this long.
     pub time_limit: Option<Duration>,
-    /// Write a checkpoint this often.
+    /// Hand out what there is this often.
     pub checkpoint_every: Duration,
-    /// Threads of the CPU; `None`: one for each core.
-    pub threads: Option<usize>,
-    /// What cached form factor rows may take, bytes.
-    pub memory_bytes: u64,
-    /// Where the report goes.
-    pub report: Option<PathBuf>,
-    /// Where the form factors go.
-    pub form_factors_csv: Option<PathBuf>,
-    /// Where the view factors between objects go.
-    pub view_factors_csv: Option<PathBuf>,
-    /// Whether a certificate beyond its tolerances is a failure.
-    pub strict: bool,
+    /// Whether all rows are drawn, those too that the solution does not need, so that they can be certified.
+    pub all_rows: bool,
+}
+
+/// As a run has it by default.
+impl Default for SolveSettings {
+    fn default() -> Self {
+        Self {
+            solution: SolutionSettings::default(),
+            drawing: Drawing::default(),
+            max_iterations: None,
+            tolerance: 1e-5,
+            time_limit: None,
+            checkpoint_every: Duration::from_mins(1),
+            all_rows: false,
+        }
+    }
 }
 
 #[cfg(test)]
@@ -338,7 +376,7 @@ mod tests {
             &["0", "5", "9", "2048", "6144", "-1", "middle", ""],
         );
         assert_eq!("1".parse(), Ok(Points::CENTROID));
-        reads_back::<Turns>(
+        reads_back::<Seed>(
             &["aligned", "0", "7", "4294967295"],
             &["4294967296", "-1", "0.5", "on", ""],
         );
@@ -352,11 +390,8 @@ mod tests {
     fn only_in_large_scenes_patches_are_other_sources_than_automatic_ones() {
         let recorded = |source_area, patches| {
             let settings = SolutionSettings {
-                form_factors: FormFactorSettings::new(128),
-                lamps: LampViews::Auto,
-                closed_forms: ClosedForms::Auto,
                 source_area,
-                solver: SolverChoice::Jacobi,
+                ..SolutionSettings::default()
             };
             settings.recorded(patches)
         };

@@ -39,12 +39,10 @@ mod on_sources;
 pub use gather::GatherOnce;
 pub use on_sources::OnSources;
 
-use glam::DVec3;
 use rayon::prelude::*;
 use scene::{Rgb, Scene, bisection};
 
 use crate::compact_rows::{Channels, CompactRows, Gatherer};
-use crate::interrupt;
 use crate::problem::Problem;
 use crate::row_cache::RowCache;
 use crate::rows::BackendError;
@@ -80,35 +78,6 @@ pub fn is_refinement(count: u32, coarser: u32) -> bool {
     count >= coarser.saturating_mul(5) / 2
 }
 
-/// The mean of each source over its patches; of values of the first patches alone, that of the sources they fill.
-pub fn restricted(scene: &Scene, sources: &Scene, values: &[Rgb]) -> Vec<Rgb> {
-    let mut left = values;
-    runs(scene, sources)
-        .map_while(|length| {
-            let (run, rest) = left.split_at_checked(length)?;
-            left = rest;
-            let sum: DVec3 = run.iter().map(|value| value.as_dvec3()).sum();
-            Some((sum / length as f64).as_vec3())
-        })
-        .collect()
-}
-
-/// The value of its source for each patch; of values of the first sources alone, for the patches of these.
-pub fn prolonged(scene: &Scene, sources: &Scene, values: &[Rgb]) -> Vec<Rgb> {
-    let runs = runs(scene, sources).zip(values);
-    runs.flat_map(|(length, &value)| std::iter::repeat_n(value, length))
-        .collect()
-}
-
-/// How many patches each source is made of.
-fn runs(scene: &Scene, sources: &Scene) -> impl Iterator<Item = usize> {
-    let trees = scene.mesh().trees().iter().zip(sources.mesh().trees());
-    trees.flat_map(|(fine, coarse)| {
-        let length = 1 << (fine.depth - coarse.depth);
-        std::iter::repeat_n(length, coarse.patches().len())
-    })
-}
-
 /// Radiosities to gather from.
 #[derive(Debug)]
 struct Radiosities {
@@ -128,8 +97,8 @@ impl Radiosities {
 
     /// The irradiances, W/m^2, of the batch's patches from patch `from` on.
     fn gather(&self, batch: &CompactRows, from: u32) -> Vec<Rgb> {
-        let first = batch.patches().start;
-        (from..batch.patches().end)
+        let first = batch.receivers().start;
+        (from..batch.receivers().end)
             .into_par_iter()
             .map(|patch| {
                 let row = batch.row((patch - first) as usize);
@@ -139,25 +108,25 @@ impl Radiosities {
     }
 }
 
-/// The estimate of the error of irradiance that `sources` bring, relative, root mean square by area: half of how
+/// The estimate of the error of irradiance that sources bring, whose rows these are, relative, root mean square by area: half of how
 /// what is gathered changes between `irradiance`, their solution, and `coarser` irradiances; both W/m^2, one per
-/// source. `None` where the user has asked to stop.
+/// source. `None` where it is cancelled.
 ///
 /// # Errors
 /// What drawing rows that are not kept says.
 pub fn estimated_error(
-    sources: &Scene,
     rows: &mut RowCache,
     irradiance: &[Rgb],
     coarser: &[Rgb],
 ) -> Result<Option<f64>, BackendError> {
+    let sources = rows.sources().scene();
     let problem = Problem::new(sources);
     // Both are gathered, since a solution by shooting is one of slightly different form factors.
     let both = [irradiance, coarser].map(|irradiance| Radiosities::new(&problem, irradiance));
     let (mut change, mut norm) = (0.0, 0.0);
     let mut next = 0;
     while next < sources.patch_count() {
-        if interrupt::requested() {
+        if rows.cancel().is_cancelled() {
             return Ok(None);
         }
         let batch = rows.batch_with(next)?;
@@ -167,48 +136,11 @@ pub fn estimated_error(
             change += area * (fine - coarse).as_dvec3().length_squared();
             norm += area * fine.as_dvec3().length_squared();
         }
-        next = batch.patches().end;
+        next = batch.receivers().end;
     }
     Ok(Some(if norm == 0.0 {
         0.0
     } else {
         0.5 * (change / norm).sqrt()
     }))
-}
-
-#[cfg(test)]
-mod tests {
-    use std::sync::Arc;
-
-    use scene::PatchId;
-
-    use super::*;
-    use crate::hemicubes::Hemicubes;
-    use crate::settings::FormFactorSettings;
-    use visibility::Drawable;
-
-    #[test]
-    fn what_is_prolonged_is_restricted_to_itself() {
-        let cornell = genx::Settings {
-            max_area: Some(0.0005),
-            ..genx::Settings::new(genx::Model::Cornell)
-        };
-        let scene = genx::make(&cornell).unwrap().scene;
-        let sources = sources(&scene, 0.004);
-        assert!(sources.patch_count() < scene.patch_count() / 4);
-        let value = |s: u32| Rgb::new(s as f32 / 3.0, 0.1, -1.0);
-        let values: Vec<Rgb> = (0..sources.patch_count()).map(value).collect();
-        let fine = prolonged(&scene, &sources, &values);
-        assert_eq!(fine.len(), scene.patch_count() as usize);
-        assert_eq!(restricted(&scene, &sources, &fine), values);
-        // Of an iteration that was stopped on its way.
-        let some = prolonged(&scene, &sources, &values[..7]);
-        assert_eq!(restricted(&scene, &sources, &some), values[..7]);
-        let drawable = Arc::new(Drawable::new(&sources));
-        let hemicubes = Hemicubes::between(&scene, &drawable, FormFactorSettings::new(2));
-        for (s, value) in (0..).map(PatchId).zip(&values) {
-            let mut patches = hemicubes.receivers_of(s);
-            assert!(patches.all(|p| fine[p as usize] == *value));
-        }
-    }
 }

@@ -24,7 +24,7 @@ const MOST_PRODUCTS: usize = 1 << 27;
 /// True for each patch that hemicubes stand on and no light can reach, one per patch; `None` where there is none, or where `start` has
 /// light there.
 pub fn unlit(hemicubes: &Hemicubes, start: &Solution) -> Option<Vec<bool>> {
-    let (scene, drawable) = (hemicubes.receivers(), hemicubes.drawable());
+    let (scene, drawable) = (hemicubes.sources().patches(), hemicubes.drawable());
     let lit = lit_regions(drawable)?;
     let mut unlit = Vec::with_capacity(scene.patch_count() as usize);
     for (id, tree) in (0..).map(scene::SurfaceId).zip(scene.mesh().trees()) {

@@ -19,7 +19,7 @@ use std::io::Write;
 use std::path::Path;
 
 use scene::export::csv::quoted;
-use scene::file::write_atomically;
+use scene::file::{FileError, write_atomically};
 use scene::{ObjectId, Scene};
 
 use crate::row_cache::RowCache;
@@ -68,12 +68,12 @@ impl ViewFactors {
     /// Adds a patch's row.
     pub fn add(&mut self, from: u32, row: impl Iterator<Item = Entry> + Clone) {
         for entry in row.clone() {
-            self.units[self.objects[entry.patch as usize].index()] += f64::from(entry.units);
+            self.units[self.objects[entry.source as usize].index()] += f64::from(entry.units);
         }
         let area = self.patch_areas[from as usize];
         let exchange_areas = &mut self.exchange_areas[self.objects[from as usize].index()];
         for entry in row {
-            let to = self.objects[entry.patch as usize];
+            let to = self.objects[entry.source as usize];
             let units = std::mem::take(&mut self.units[to.index()]);
             if units > 0.0 {
                 *exchange_areas.entry(to.0).or_default() +=
@@ -148,7 +148,7 @@ impl ViewFactors {
 }
 
 /// Writes the view factors between all objects, drawing the rows that are not kept.
-pub fn save(path: &Path, scene: &Scene, rows: &mut RowCache) -> anyhow::Result<()> {
+pub fn save(path: &Path, scene: &Scene, rows: &mut RowCache) -> Result<(), FileError> {
     write_atomically(path, |out| {
         let mut view_factors = ViewFactors::new(scene);
         rows.for_each_row(|from, row| {
@@ -156,6 +156,5 @@ pub fn save(path: &Path, scene: &Scene, rows: &mut RowCache) -> anyhow::Result<(
             Ok(())
         })?;
         view_factors.write(out, scene)
-    })?;
-    Ok(())
+    })
 }

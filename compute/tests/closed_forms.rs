@@ -11,6 +11,7 @@ use compute::convex::ConvexRows;
 use compute::cpu::CpuRows;
 use compute::hemicubes::Hemicubes;
 use compute::polygon_form_factor::point_to_triangle;
+use compute::receivers::ReceiverId;
 use compute::rows::{RowBatch, RowSource, UNITS_PER_ONE};
 use compute::settings::{FormFactorSettings, Maps, Points};
 use glam::{EulerRot, Quat, Vec3};
@@ -59,13 +60,17 @@ fn rows_are_lamberts_formula_at_the_hemicubes_points() {
     let scene = scene(vec![material(0.5, 1.0)], moved(room()), 0.5);
     let points = Points::ThreePoint { bisections: 0 };
     let hemicubes = Hemicubes::new(&scene, settings(128, points));
-    let rows = closed_rows(&scene, hemicubes.settings()).unwrap();
-    let normal = |patch: u32| scene.surface(hemicubes.surface_of(PatchId(patch))).normal();
+    let rows = closed_rows(&scene, settings(128, points)).unwrap();
+    let normal = |patch: u32| {
+        scene
+            .surface(scene.mesh().surface_of(PatchId(patch)))
+            .normal()
+    };
     for from in (0..scene.patch_count()).step_by(7) {
-        let frames = hemicubes.frames(PatchId(from));
+        let frames = hemicubes.receivers().frames(ReceiverId(from));
         let mut row = rows.row(from as usize).iter().peekable();
         for to in 0..scene.patch_count() {
-            let entry = row.next_if(|entry| entry.patch == to);
+            let entry = row.next_if(|entry| entry.source == to);
             if normal(from).dot(normal(to)) > 0.5 {
                 assert!(entry.is_none(), "{from} and {to} are in one plane");
                 continue;
@@ -155,10 +160,10 @@ fn hemicubes_come_nearer_with_smaller_pixels() {
         for k in 0..count as usize {
             let mut difference = vec![0.0; count as usize];
             for entry in drawn.row(k) {
-                difference[entry.patch as usize] += f64::from(entry.units) / ONE;
+                difference[entry.source as usize] += f64::from(entry.units) / ONE;
             }
             for entry in closed.row(k) {
-                difference[entry.patch as usize] -= f64::from(entry.units) / ONE;
+                difference[entry.source as usize] -= f64::from(entry.units) / ONE;
             }
             squares += difference.iter().map(|d| d * d).sum::<f64>();
         }

@@ -33,7 +33,10 @@ fn any_row() -> impl Strategy<Value = Vec<Entry>> {
                 break;
             }
             let patch = patch - 1;
-            row.push(Entry { patch, units });
+            row.push(Entry {
+                source: patch,
+                units,
+            });
         }
         row
     })
@@ -67,12 +70,12 @@ fn units(row: &[Entry]) -> f64 {
 }
 
 fn blocks(row: &[Entry]) -> impl Iterator<Item = &[Entry]> {
-    row.chunk_by(|a, b| a.patch / 16 == b.patch / 16)
+    row.chunk_by(|a, b| a.source / 16 == b.source / 16)
 }
 
 /// The most that a narrow block's step may be, units; 0 where it is stored as it is.
 fn most_step(block: &[Entry], emission: &[Rgb]) -> f64 {
-    let first = (block[0].patch / 16 * 16) as usize;
+    let first = (block[0].source / 16 * 16) as usize;
     let most = block.iter().map(|e| e.units).fold(0.0, f32::max);
     let emits = emission[first..first + 16].iter().any(|&e| e != Rgb::ZERO);
     if emits || most >= WIDE_UNITS {
@@ -88,7 +91,7 @@ proptest! {
     fn decoded_rows_have_the_same_patches_and_nearly_the_units(rows in vec(any_row(), 0..20)) {
         let emission = emission();
         let compact = CompactRows::encode(&batch(&rows), &Exact::new(&emission));
-        prop_assert_eq!(compact.patches(), 3..3 + rows.len() as u32);
+        prop_assert_eq!(compact.receivers(), 3..3 + rows.len() as u32);
         prop_assert_eq!(compact.entries(), rows.iter().map(Vec::len).sum::<usize>() as u64);
         for (k, row) in rows.iter().enumerate() {
             let found = decoded(&compact, k);
@@ -96,7 +99,7 @@ proptest! {
             for (before, after) in blocks(row).zip(blocks(&found)) {
                 let bound = 1.5 * most_step(before, &emission);
                 for (before, after) in before.iter().zip(after) {
-                    prop_assert_eq!(before.patch, after.patch);
+                    prop_assert_eq!(before.source, after.source);
                     let error = (f64::from(before.units) - f64::from(after.units)).abs();
                     prop_assert!(error <= bound, "{:?} {:?} {}", before, after, bound);
                     prop_assert!(after.units > 0.0);
@@ -134,7 +137,7 @@ proptest! {
         let decoded = decoded(&compact, 0);
         let expected: DVec3 = decoded
             .iter()
-            .map(|entry| f64::from(entry.units) * radiosity(entry.patch).as_dvec3())
+            .map(|entry| f64::from(entry.units) * radiosity(entry.source).as_dvec3())
             .sum();
         // Each of at most so many additions rounds by half a unit in the last place, of sums of what is not negative.
         let bound = 2.0 * row.len() as f64 * f64::EPSILON / 2.0 * expected;
@@ -169,7 +172,7 @@ fn whole_rows_sum_to_one_after_rounding() {
             };
             left -= units;
             Entry {
-                patch,
+                source: patch,
                 units: units as f32,
             }
         })

@@ -69,10 +69,10 @@ fn rows_are_in_patch_order_and_never_hold_their_own_surface() {
     for k in 0..scene.patch_count() {
         let own = scene.mesh().surface_of(PatchId(k));
         let row = rows.row(k as usize);
-        assert!(row.is_sorted_by(|a, b| a.patch < b.patch));
+        assert!(row.is_sorted_by(|a, b| a.source < b.source));
         assert!(
             row.iter()
-                .all(|e| e.units > 0.0 && scene.mesh().surface_of(PatchId(e.patch)) != own)
+                .all(|e| e.units > 0.0 && scene.mesh().surface_of(PatchId(e.source)) != own)
         );
     }
 }
@@ -100,13 +100,13 @@ fn renamed(scene: &Scene, other: &Scene, names: &[usize], rows: &RowBatch) -> Ro
         let named = SurfaceId(names[surface.index()] as u32);
         scene.mesh().tree(named).first_patch.0 + patch - first
     };
-    let mut sorted = vec![Row::default(); rows.patches().len()];
+    let mut sorted = vec![Row::default(); rows.receivers().len()];
     for k in 0..sorted.len() {
         let mut entries: Vec<Entry> = rows.row(k).to_vec();
         for entry in &mut entries {
-            entry.patch = patch_of(entry.patch);
+            entry.source = patch_of(entry.source);
         }
-        entries.sort_unstable_by_key(|entry| entry.patch);
+        entries.sort_unstable_by_key(|entry| entry.source);
         sorted[patch_of(k as u32) as usize] = Row {
             entries,
             unseen: rows.unseen(k),
@@ -171,7 +171,7 @@ fn refining_some_surfaces_changes_nothing_that_others_see() {
                 .map(|patch| {
                     let mut sums = vec![0.0; trees.len()];
                     for entry in rows.row(patch as usize) {
-                        let surface = scene.mesh().surface_of(PatchId(entry.patch));
+                        let surface = scene.mesh().surface_of(PatchId(entry.source));
                         sums[surface.index()] += f64::from(entry.units);
                     }
                     sums
@@ -200,7 +200,7 @@ fn opposite_walls_of_a_cube_see_a_fifth_of_each_other() {
         opposite += rows
             .row(k as usize)
             .iter()
-            .filter(|e| e.patch / per_wall == 1)
+            .filter(|e| e.source / per_wall == 1)
             .map(|e| f64::from(e.units) / f64::from(UNITS_PER_ONE))
             .sum::<f64>();
     }

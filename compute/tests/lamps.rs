@@ -8,8 +8,10 @@ use compute::cpu::CpuRows;
 use compute::hemicubes::Hemicubes;
 use compute::lamps::with_lamps;
 use compute::polygon_form_factor::point_to_triangle;
+use compute::receivers::ReceiverId;
 use compute::rows::{RowBatch, UNITS_PER_ONE};
 use compute::settings::{FormFactorSettings, LampViews, Maps, Points};
+use compute::sources::Sources;
 use glam::{DVec3, Vec3};
 use scene::{PatchId, Scene};
 use test_scenes::{furnished_sphere, stone};
@@ -59,7 +61,7 @@ fn room(screened: bool, max_area: f64) -> Scene {
 
 fn lamp_units(scene: &Scene, row: &[compute::rows::Entry]) -> f64 {
     row.iter()
-        .filter(|e| (12..14).contains(&scene.mesh().surface_of(PatchId(e.patch)).0))
+        .filter(|e| (12..14).contains(&scene.mesh().surface_of(PatchId(e.source)).0))
         .map(|e| f64::from(e.units))
         .sum()
 }
@@ -82,7 +84,9 @@ fn lamp_that_nothing_hides_is_exact() {
         let rows = rows(&scene, settings, LampViews::Auto);
         let mut lit = 0;
         for patch in 0..scene.patch_count() {
-            let frames = Hemicubes::new(&scene, settings).frames(PatchId(patch));
+            let frames = Hemicubes::new(&scene, settings)
+                .receivers()
+                .frames(ReceiverId(patch));
             let expected =
                 frames.iter().map(|frame| exact(&scene, frame)).sum::<f64>() / frames.len() as f64;
             let own = scene.mesh().surface_of(PatchId(patch)).0;
@@ -123,7 +127,7 @@ fn rows_keep_their_sums() {
                     let error = sum(rows) / f64::from(UNITS_PER_ONE) - 1.0;
                     assert!(error.abs() < common::methods::ROUNDING, "{k}: {error}");
                 }
-                assert!(refined.row(k).is_sorted_by(|a, b| a.patch < b.patch));
+                assert!(refined.row(k).is_sorted_by(|a, b| a.source < b.source));
             }
         }
     }
@@ -153,7 +157,9 @@ fn regression_light_of_a_sliver_is_not_lost() {
     let rows = rows(&scene, settings, LampViews::Auto);
     let (mut seen, mut expected) = (0.0, 0.0);
     for patch in (0..scene.patch_count()).map(PatchId) {
-        let frame = Hemicubes::new(&scene, settings).frames(patch)[0];
+        let frame = Hemicubes::new(&scene, settings)
+            .receivers()
+            .frames(ReceiverId(patch.0))[0];
         if frame.position.z == 0.0 {
             let row = rows.row(patch.index());
             seen += lamp_units(&scene, row) / f64::from(UNITS_PER_ONE);
@@ -174,7 +180,9 @@ fn half_hidden_lamp_counts_half() {
     let rows = rows(&scene, settings, LampViews::Auto);
     let mut tested = 0;
     for patch in 0..scene.patch_count() {
-        let frame = Hemicubes::new(&scene, settings).frames(PatchId(patch))[0];
+        let frame = Hemicubes::new(&scene, settings)
+            .receivers()
+            .frames(ReceiverId(patch))[0];
         if frame.position.z != 0.0 || (frame.position.x - 1.0).abs() > 0.2 {
             continue;
         }
@@ -230,9 +238,8 @@ fn rows_of_all_strategies_are_the_same_but_for_pixels_on_edges() {
     let [drawn, others @ ..] =
         [Strategy::Spans, Strategy::Specks, Strategy::Rays].map(|strategy| -> Vec<RowBatch> {
             let drawable = Arc::new(Drawable::with_strategy(&scene, strategy));
-            let hemicubes = Arc::new(Hemicubes::between(
-                &scene,
-                &drawable,
+            let hemicubes = Arc::new(Hemicubes::of_patches(
+                Sources::drawn_as(&scene, &drawable),
                 FormFactorSettings {
                     points: Points::CENTROID,
                     ..FormFactorSettings::new(64)
@@ -249,11 +256,11 @@ fn rows_of_all_strategies_are_the_same_but_for_pixels_on_edges() {
         let mut difference = vec![0.0; scene.patch_count() as usize];
         for (row, sign) in [(drawn.row(0), 1.0), (other.row(0), -1.0)] {
             for entry in row {
-                difference[entry.patch as usize] += sign * f64::from(entry.units);
+                difference[entry.source as usize] += sign * f64::from(entry.units);
             }
         }
         let sum: f64 = difference.iter().map(|d| d.abs()).sum();
         let one = f64::from(UNITS_PER_ONE);
-        assert!(sum < 2e-3 * one, "{:?}: {}", drawn.patches(), sum / one);
+        assert!(sum < 2e-3 * one, "{:?}: {}", drawn.receivers(), sum / one);
     }
 }

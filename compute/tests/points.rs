@@ -7,6 +7,7 @@ use std::sync::Arc;
 use common::{block, material, quad};
 use compute::cpu::CpuRows;
 use compute::hemicubes::Hemicubes;
+use compute::receivers::ReceiverId;
 use compute::rows::{RowSource, UNITS_PER_ONE};
 use compute::settings::FormFactorSettings;
 use glam::Vec3;
@@ -31,13 +32,19 @@ fn dark(surfaces: Vec<Surface>, max_area: f64) -> Scene {
 fn counts(scene: &Scene) -> Vec<u32> {
     let hemicubes = Hemicubes::new(scene, AUTO);
     let counts: Vec<u32> = (0..scene.patch_count())
-        .map(|patch| hemicubes.count(PatchId(patch)))
+        .map(|patch| hemicubes.receivers().point_count(ReceiverId(patch)))
         .collect();
     // Hemicubes are numbered through the patches.
     let mut first = 0;
     for (patch, &count) in (0..).map(PatchId).zip(&counts) {
-        assert_eq!(hemicubes.first(patch), first);
-        assert_eq!(hemicubes.frames(patch).len(), count as usize);
+        assert_eq!(
+            hemicubes.receivers().first_point(ReceiverId(patch.0)),
+            first
+        );
+        assert_eq!(
+            hemicubes.receivers().frames(ReceiverId(patch.0)).len(),
+            count as usize
+        );
         first += u64::from(count);
     }
     assert_eq!(hemicubes.total(), first);
@@ -57,7 +64,7 @@ fn form_factor(scene: &Scene, from: impl Fn(Vec3) -> bool, to: impl Fn(Vec3) -> 
     for patch in (0..scene.patch_count()).filter(|&patch| from(normal(patch))) {
         let row = rows.row(patch as usize).iter();
         units += row
-            .filter(|entry| to(normal(entry.patch)))
+            .filter(|entry| to(normal(entry.source)))
             .map(|entry| f64::from(entry.units))
             .sum::<f64>();
         count += 1;

@@ -2,31 +2,29 @@
 
 mod common;
 
-use std::sync::Arc;
-
 use common::{bits, folder, load, save, solve, stdout};
+use compute::FormFactors;
 use compute::certificate::CLOSURE_TOLERANCE;
-use compute::cpu::CpuRows;
-use compute::hemicubes::Hemicubes;
-use compute::lamps::with_lamps;
+use compute::form_factors::Needed;
 use compute::problem::Problem;
 use compute::row_cache::RowCache;
-use compute::settings::{FormFactorSettings, LampViews};
+use compute::settings::{BackendChoice, Drawing, FormFactorSettings};
 use compute::solver::{Gather, Solver, Update};
+use compute::sources::Sources;
 use compute::two_levels::{self, GatherOnce, OnSources};
 use scene::{Level, Rgb, Scene, Solution};
-use visibility::Drawable;
 
 const RESOLUTION: u32 = 64;
 
 /// Rows of `scene`'s patches among those of `sources`.
 fn rows<'a>(scene: &'a Scene, sources: &'a Scene) -> RowCache<'a> {
-    let drawable = Arc::new(Drawable::new(sources));
-    let settings = FormFactorSettings::new(RESOLUTION);
-    let hemicubes = Arc::new(Hemicubes::between(scene, &drawable, settings));
-    let source = Box::new(CpuRows::new(&hemicubes));
-    let source = with_lamps(&hemicubes, LampViews::Auto, source);
-    RowCache::new(&hemicubes, source, u64::MAX)
+    let drawing = Drawing {
+        backend: BackendChoice::Cpu,
+        memory_bytes: u64::MAX,
+    };
+    let form_factors = FormFactors::new(scene, FormFactorSettings::new(RESOLUTION), drawing);
+    let sources = Sources::coarse(scene, sources);
+    form_factors.rows_to(sources, Needed::All).unwrap()
 }
 
 fn converged(solver: &mut dyn Solver, rows: &mut RowCache) {
@@ -45,18 +43,23 @@ fn two_levels(scene: &Scene, area: f64, coarser: Option<&Solution>) -> (Solution
     let sources = two_levels::sources(scene, area);
     let mut among = rows(&sources, &sources);
     let make = |start| solver(&sources, start);
-    let mut on_sources = OnSources::new(scene, &sources, area, Solution::dark(scene), make);
+    let mut on_sources = OnSources::new(
+        Sources::coarse(scene, &sources),
+        area,
+        Solution::dark(scene),
+        make,
+    );
     converged(&mut on_sources, &mut among);
     let solved = on_sources.snapshot();
     let estimate = coarser.map_or(f64::INFINITY, |coarser| {
-        let coarser = two_levels::restricted(scene, &sources, &coarser.irradiance);
+        let coarser = on_sources.sources().restricted(&coarser.irradiance);
         let irradiance = on_sources.among_sources().irradiance;
-        two_levels::estimated_error(&sources, &mut among, &irradiance, &coarser)
+        two_levels::estimated_error(&mut among, &irradiance, &coarser)
             .unwrap()
             .unwrap()
     });
-    let mut gather = GatherOnce::new(scene, &sources, area, solved.clone());
     let mut rows = rows(scene, &sources);
+    let mut gather = GatherOnce::new(rows.sources(), area, solved.clone());
     while !gather.step(&mut rows).unwrap().ends_iteration {}
     (gather.snapshot(), solved, estimate)
 }

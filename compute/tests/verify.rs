@@ -5,7 +5,7 @@ mod common;
 use common::{compute, folder, solve, stderr, stdout};
 use compute::settings::{FormFactorSettings, LampViews, Points};
 use compute::verify::case::{Case, Expected};
-use compute::verify::{Accuracy, Backends, Format, Settings, run_cases, select};
+use compute::verify::{Backends, Format, Settings, run_cases, select};
 use serde_json::Value;
 
 const FURNACE: &str = "furnace, reflectance 0.5";
@@ -13,12 +13,10 @@ const SQUARES: &str = "coaxial unit squares, separation 1";
 
 fn settings() -> Settings {
     Settings {
-        accuracy: Accuracy {
-            form_factors: FormFactorSettings {
-                points: Points::CENTROID,
-                ..FormFactorSettings::new(32)
-            },
+        form_factors: FormFactorSettings {
+            points: Points::CENTROID,
             lamps: LampViews::Off,
+            ..FormFactorSettings::new(32)
         },
         backends: Backends::Cpu,
         case: None,
@@ -43,6 +41,14 @@ fn a_case_is_a_line_with_everything_about_it() {
         assert!(line.contains(part), "{part} is missing in {line}");
     }
     assert!(text.contains("1 of 1 within their tolerances"), "{text}");
+}
+
+/// In a convex room a run has formulas by default.
+#[test]
+fn by_default_a_case_goes_the_way_of_a_run() {
+    let arguments = ["verify", "--case", FURNACE, "--backend", "auto"];
+    let text = stdout(&solve(folder().path(), &arguments));
+    assert!(text.lines().nth(1).unwrap().contains("formula"), "{text}");
 }
 
 #[test]

@@ -26,10 +26,10 @@ struct Arguments {
     #[arg(long)]
     pictures_only: bool,
     /// Pixels along a hemicube's face: even, 2 to 4096
-    #[arg(long, default_value = "128", value_parser = compute::cli::parse_resolution)]
+    #[arg(long, default_value = "128", value_parser = compute::program::cli::parse_resolution)]
     resolution: u32,
     /// Who draws the hemicubes: auto, cpu or gpu
-    #[arg(long, default_value = "auto", value_parser = compute::cli::backend_parser())]
+    #[arg(long, default_value = "auto", value_parser = compute::program::cli::backend_parser())]
     backend: compute::settings::BackendChoice,
 }
 

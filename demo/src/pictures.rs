@@ -5,7 +5,7 @@ use std::path::Path;
 use display::{Mode, Picture, RenderSettings, Size};
 use scene::Scene;
 
-use crate::solve::Solved;
+use crate::solve::Steps;
 
 /// Width over height of the pictures.
 const ASPECT: f64 = 4.0 / 3.0;
@@ -15,7 +15,7 @@ pub fn write(
     folder: &Path,
     name: &str,
     scene: &Scene,
-    solved: &Solved,
+    solved: &Steps,
     height: u32,
 ) -> anyhow::Result<()> {
     let width = (f64::from(height) * ASPECT).round() as u32;

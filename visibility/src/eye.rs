@@ -30,11 +30,11 @@ pub struct Eye {
 }
 
 impl Eye {
-    /// An eye on a surface, which sees fronts and backs above its horizon.
-    pub fn on_surface(frame: &Frame, own: SurfaceId) -> Self {
+    /// An eye that sees fronts and backs above its horizon, on the surface `own` if on any.
+    pub fn with_horizon(frame: &Frame, own: impl Into<Option<SurfaceId>>) -> Self {
         Self {
             frame: *frame,
-            own: Some(own),
+            own: own.into(),
             has_horizon: true,
             cull: Cull::Nothing,
         }

@@ -26,6 +26,12 @@ impl Frame {
             .reject_from_normalized(normal)
             .try_normalize()
             .unwrap_or_else(|| normal.any_orthonormal_vector());
+        Self::at(position, normal, aligned, turn)
+    }
+
+    /// A frame at `position` whose tangent is `aligned`, a unit vector across the normal, turned about the normal by
+    /// `turn` radians.
+    pub fn at(position: DVec3, normal: DVec3, aligned: DVec3, turn: f64) -> Self {
         let (sin, cos) = turn.sin_cos();
         let tangent = cos * aligned + sin * normal.cross(aligned);
         Self {

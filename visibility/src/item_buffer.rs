@@ -33,10 +33,10 @@ impl<'a> HemicubeDrawer<'a> {
         }
     }
 
-    /// Draws the hemicube at `frame` on the surface `own` and hands out its rows of patch IDs: face, row, IDs.
+    /// Draws the hemicube at `frame` on the surface `own`, if on any, and hands out its rows of patch IDs: face, row, IDs.
     pub fn draw(
         &mut self,
-        own: SurfaceId,
+        own: impl Into<Option<SurfaceId>>,
         frame: &Frame,
         nothing: u32,
         back_face: u32,
@@ -51,7 +51,7 @@ impl<'a> HemicubeDrawer<'a> {
 
     /// The item buffer of a hemicube in the layout of [`crate::hemicube`]: 3 R^2 patch IDs,
     /// [`NOTHING`] or [`BACK_FACE`].
-    pub fn item_buffer(&mut self, own: SurfaceId, frame: &Frame) -> Vec<u32> {
+    pub fn item_buffer(&mut self, own: impl Into<Option<SurfaceId>>, frame: &Frame) -> Vec<u32> {
         let mut ids = Vec::with_capacity(pixel_count(self.resolution));
         self.draw(own, frame, NOTHING, BACK_FACE, |_, _, row| {
             ids.extend_from_slice(row);

@@ -108,7 +108,7 @@ impl<'a> Reference<'a> {
 
 /// The item buffer of a hemicube in the layout of [`crate::hemicube`].
 pub fn item_buffer(scene: &Scene, own: SurfaceId, frame: &Frame, resolution: u32) -> Vec<u32> {
-    let reference = Reference::new(scene, &Eye::on_surface(frame, own));
+    let reference = Reference::new(scene, &Eye::with_horizon(frame, own));
     let mut ids = Vec::with_capacity(pixel_count(resolution));
     for window in windows(resolution) {
         ids.extend(reference.picture(&window));

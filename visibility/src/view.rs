@@ -82,10 +82,15 @@ impl<'a> Viewer<'a> {
         View::new(drawable, at, &self.projection, None)
     }
 
-    /// What a hemicube of a resolution sees that stands on the surface `own`.
-    pub fn hemicube(&mut self, resolution: u32, frame: &Frame, own: SurfaceId) -> HemicubeView<'_> {
+    /// What a hemicube of a resolution sees that stands on the surface `own`, if on any.
+    pub fn hemicube(
+        &mut self,
+        resolution: u32,
+        frame: &Frame,
+        own: impl Into<Option<SurfaceId>>,
+    ) -> HemicubeView<'_> {
         let drawable = &*self.drawable;
-        let at = Standpoint::new(&drawable.geometry, &Eye::on_surface(frame, own));
+        let at = Standpoint::new(&drawable.geometry, &Eye::with_horizon(frame, own));
         let is_cast = drawable.strategy == Strategy::Rays;
         let bvh = drawable.bvh.as_ref().filter(|_| is_cast);
         let (projection, specks) = (&mut self.projection, &mut self.specks);

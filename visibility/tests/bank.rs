@@ -58,7 +58,7 @@ fn expected(scene: &Scene) -> Vec<Expected<'_>> {
                 own,
                 frame,
                 ids: reference::item_buffer(scene, own, &frame, RESOLUTION),
-                reference: Reference::new(scene, &Eye::on_surface(&frame, own)),
+                reference: Reference::new(scene, &Eye::with_horizon(&frame, own)),
             }
         })
         .collect()

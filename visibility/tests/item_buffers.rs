@@ -147,7 +147,7 @@ fn a_face_is_what_its_window_sees_of_everything() {
             let normal = scene.surface(geometry.surface).normal();
             let frame = Frame::on_patch(&geometry, normal, geometry.centroid(), 0.7 * k as f64);
             let hemicube = of_hemicube.hemicube(32, &frame, geometry.surface);
-            let eye = Eye::on_surface(&frame, geometry.surface);
+            let eye = Eye::with_horizon(&frame, geometry.surface);
             let all = of_all.view(&eye, pixel_count(32));
             for (face, window) in hemicube.windows().iter().enumerate() {
                 let of_face = face_canvas.draw_face(&hemicube, face);
@@ -175,7 +175,10 @@ fn no_pixel_sees_what_is_hidden() {
         let normal = scene.surface(geometry.surface).normal();
         let frame = Frame::on_patch(&geometry, normal, geometry.centroid(), 0.7);
         let hemicube = of_hemicube.hemicube(200, &frame, geometry.surface);
-        let all = of_all.view(&Eye::on_surface(&frame, geometry.surface), pixel_count(200));
+        let all = of_all.view(
+            &Eye::with_horizon(&frame, geometry.surface),
+            pixel_count(200),
+        );
         let mut is_seen = vec![false; scene.surfaces().len()];
         for face in 0..FACES {
             let mut picture = canvas.draw_face(&hemicube, face);

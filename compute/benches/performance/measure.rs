@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use compute::cpu::RowDrawer;
 use compute::hemicubes::Hemicubes;
+use compute::receivers::ReceiverId;
 use compute::settings::{FormFactorSettings, Points};
 use scene::{PatchId, Scene};
 use visibility::hemicube::pixel_count;
@@ -74,7 +75,7 @@ pub fn one_a_patch(scene: &Scene, resolution: u32) -> Arc<Hemicubes<'_>> {
 
 /// Pixels of one hemicube of these.
 pub fn pixels(hemicubes: &Hemicubes) -> f64 {
-    pixel_count(hemicubes.settings().resolution) as f64
+    pixel_count(hemicubes.resolution()) as f64
 }
 
 fn patches(scene: &Scene) -> Vec<PatchId> {
@@ -86,14 +87,14 @@ fn patches(scene: &Scene) -> Vec<PatchId> {
 
 /// A hemicube's item buffer with the look-up of its patches.
 pub fn item_buffer(plan: &Plan, hemicubes: &Arc<Hemicubes>) -> anyhow::Result<Timing> {
-    let resolution = hemicubes.settings().resolution;
+    let resolution = hemicubes.resolution();
     let mut drawer = HemicubeDrawer::new(hemicubes.drawable(), resolution);
-    let patches = patches(hemicubes.receivers());
+    let patches = patches(hemicubes.sources().patches());
     let timing = repeat(plan, || {
         for &patch in &patches {
-            let frame = hemicubes.frames(patch)[0];
+            let frame = hemicubes.receivers().frames(ReceiverId(patch.0))[0];
             drawer.draw(
-                hemicubes.surface_of(patch),
+                hemicubes.receivers().surface(ReceiverId(patch.0)),
                 &frame,
                 NOTHING,
                 BACK_FACE,
@@ -121,12 +122,12 @@ pub struct Row {
 /// A hemicube drawn and merged into a row.
 pub fn row(plan: &Plan, hemicubes: &Arc<Hemicubes>) -> anyhow::Result<Row> {
     let mut drawer = RowDrawer::new(hemicubes);
-    let patches = patches(hemicubes.receivers());
+    let patches = patches(hemicubes.sources().patches());
     let (mut entries, mut bytes) = (0, 0);
     let timing = repeat(plan, || {
         (entries, bytes) = (0, 0);
         for &patch in &patches {
-            let row = black_box(drawer.row(patch)).entries;
+            let row = black_box(drawer.row(ReceiverId(patch.0))).entries;
             entries += row.len();
             bytes += size_of_val(row.as_slice());
         }

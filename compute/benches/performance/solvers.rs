@@ -1,14 +1,12 @@
 //! How fast the solvers get where they go.
 
-use std::sync::Arc;
 use std::time::Instant;
 
-use compute::cpu::CpuRows;
-use compute::hemicubes::Hemicubes;
-use compute::lamps::with_lamps;
+use compute::FormFactors;
+use compute::form_factors::Needed;
 use compute::problem::Problem;
 use compute::row_cache::RowCache;
-use compute::settings::{FormFactorSettings, LampViews};
+use compute::settings::{BackendChoice, Drawing, FormFactorSettings};
 use compute::solver::{Gather, Shoot, Solver, Update};
 use genx::{Model, Settings};
 use scene::{Scene, Solution};
@@ -84,10 +82,12 @@ fn shoot(scene: &Scene) -> Box<dyn Solver> {
 
 /// A line for each solver.
 fn rows_of(name: &str, scene: &Scene) -> anyhow::Result<Vec<Vec<String>>> {
-    let hemicubes = Arc::new(Hemicubes::new(scene, FormFactorSettings::new(PIXELS)));
-    let source = Box::new(CpuRows::new(&hemicubes));
-    let source = with_lamps(&hemicubes, LampViews::Auto, source);
-    let mut rows = RowCache::new(&hemicubes, source, u64::MAX);
+    let drawing = Drawing {
+        backend: BackendChoice::Cpu,
+        memory_bytes: u64::MAX,
+    };
+    let form_factors = FormFactors::new(scene, FormFactorSettings::new(PIXELS), drawing);
+    let mut rows = form_factors.rows(Needed::All)?;
     rows.draw_missing()?;
     let drawing = rows.statistics().duration.as_secs_f64();
     let gathered = converged(gather(scene, Update::AtOnce), &mut rows, CONVERGED)?;

@@ -5,11 +5,11 @@
 //! the object whose backs fill most of their view, or whose fronts border most of the pixels that see
 //! nothing.
 
-use scene::{ObjectId, PatchId, Scene, SurfaceId};
+use scene::{ObjectId, Scene, SurfaceId};
 use visibility::{Canvas, Sample, Viewer, hemicube};
 
-use crate::hemicubes::Hemicubes;
-use crate::interrupt;
+use crate::receivers::ReceiverId;
+use crate::row_cache::RowCache;
 
 /// What hemispheres can lose power to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,9 +25,10 @@ pub(super) enum Loss {
 const MAX_PIXELS: usize = 1 << 23;
 
 /// The object that is to blame for what the `worst` patches, worst first, lose.
-pub(super) fn culprit(hemicubes: &Hemicubes, loss: Loss, worst: &[(usize, f64)]) -> Option<String> {
-    let scene = hemicubes.receivers();
-    let resolution = hemicubes.settings().resolution;
+pub(super) fn culprit(rows: &RowCache, loss: Loss, worst: &[(usize, f64)]) -> Option<String> {
+    let hemicubes = rows.hemicubes();
+    let scene = hemicubes.sources().patches();
+    let resolution = hemicubes.resolution();
     let mut blame = Blame {
         scene,
         loss,
@@ -39,12 +40,12 @@ pub(super) fn culprit(hemicubes: &Hemicubes, loss: Loss, worst: &[(usize, f64)])
     // To set a surface up takes a few times as long as to fill a pixel.
     let work = hemicube::pixel_count(resolution) + 8 * scene.surfaces().len();
     'patches: for &(patch, _) in worst {
-        let patch = PatchId(patch as u32);
-        let own = hemicubes.surface_of(patch);
-        let frames = hemicubes.frames(patch);
+        let patch = ReceiverId(patch as u32);
+        let own = hemicubes.receivers().surface(patch);
+        let frames = hemicubes.receivers().frames(patch);
         let delta_form_factors = hemicubes.delta_form_factors(frames.len() as u32);
         for frame in frames {
-            if pixels > 0 && pixels + work > MAX_PIXELS || interrupt::requested() {
+            if pixels > 0 && pixels + work > MAX_PIXELS || rows.cancel().is_cancelled() {
                 break 'patches;
             }
             pixels += work;

@@ -49,7 +49,7 @@ impl Received {
 
     /// Adds the rows of those of the batch's patches, counted from its first, that are `new`.
     pub fn add(&mut self, batch: &RowBatch, new: impl Fn(usize) -> bool + Sync) {
-        let range = batch.patches();
+        let range = batch.receivers();
         let range = range.start as usize..range.end as usize;
         let row_sums = self.row_sums[range.clone()].par_iter_mut().enumerate();
         row_sums.filter(|(k, _)| new(*k)).for_each(|(k, sum)| {
@@ -66,9 +66,9 @@ impl Received {
             let first = (task * per_task) as u32;
             for (k, &area) in areas.iter().enumerate().filter(|(k, _)| new(*k)) {
                 let row = batch.row(k);
-                let start = row.partition_point(|entry| entry.patch < first);
+                let start = row.partition_point(|entry| entry.source < first);
                 for entry in &row[start..] {
-                    let Some(sum) = sums.get_mut((entry.patch - first) as usize) else {
+                    let Some(sum) = sums.get_mut((entry.source - first) as usize) else {
                         break;
                     };
                     *sum += u128::from(area) * u128::from(parts(entry.units));
@@ -109,13 +109,13 @@ mod tests {
             let row: Vec<Entry> = (k..count)
                 .step_by(1 + 7 * k)
                 .map(|j| Entry {
-                    patch: j as u32,
+                    source: j as u32,
                     units: (j * k + 1) as f32,
                 })
                 .collect();
             if k != 3 {
                 for entry in &row {
-                    expected[entry.patch as usize] +=
+                    expected[entry.source as usize] +=
                         areas[5 + k] * f64::from(entry.units) / f64::from(UNITS_PER_ONE);
                 }
             }

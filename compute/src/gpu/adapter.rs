@@ -6,25 +6,21 @@
 //! second is avoided by never dropping such a queue.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Duration;
 
 use wgpu::util::DeviceExt;
 
+use crate::backend::AdapterChoice;
 use crate::rows::BackendError;
-
-/// Which adapters are accepted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum AdapterChoice {
-    /// Graphics cards only: discrete, integrated or virtual.
-    RealOnly,
-    /// Software adapters too, where there is no graphics card.
-    Any,
-}
 
 /// A submission that has not ended by then is taken for a lost device: far above what any driver's
 /// watchdog allows, for the sake of software adapters on busy machines.
 const TIMEOUT: Duration = Duration::from_mins(10);
+
+/// Set once it is known that this machine has no graphics card: drivers take a while to say so, and some write to
+/// standard error each time.
+static NO_REAL_ADAPTER: OnceLock<()> = OnceLock::new();
 
 /// Preference among adapters, the best first; `None`: not accepted.
 fn rank(device_type: wgpu::DeviceType, choice: AdapterChoice) -> Option<u32> {
@@ -53,6 +49,9 @@ pub struct Gpu {
 impl Gpu {
     /// Opens the best adapter that the choice accepts.
     pub fn open(choice: AdapterChoice) -> Result<Self, BackendError> {
+        if choice == AdapterChoice::RealOnly && NO_REAL_ADAPTER.get().is_some() {
+            return Err(BackendError::NoAdapter);
+        }
         // The first-class interfaces only: those in which compute shaders and atomics are certain.
         let backends = wgpu::Backends::PRIMARY;
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
@@ -64,7 +63,12 @@ impl Gpu {
             .filter_map(|adapter| Some((rank(adapter.get_info().device_type, choice)?, adapter)))
             .min_by_key(|(rank, _)| *rank)
             .map(|(_, adapter)| adapter)
-            .ok_or(BackendError::NoAdapter)?;
+            .ok_or_else(|| {
+                if choice == AdapterChoice::RealOnly {
+                    NO_REAL_ADAPTER.get_or_init(|| ());
+                }
+                BackendError::NoAdapter
+            })?;
         let info = adapter.get_info();
         let unsuitable = |what: String| BackendError::Unsuitable {
             adapter: info.name.clone(),

@@ -1,12 +1,13 @@
-//! Which surfaces rise above the plane of a surface: all that its hemicubes can see.
+//! The surfaces that rise above a horizon: all that the hemicubes on one surface can see.
 //!
-//! Found in f64, on the host, once for all hemicubes that stand on a surface; the device gets a bit for each
+//! They are found in f64, on the host, once for all hemicubes that stand on a surface; the device gets a bit for each
 //! surface of the scene. What of these comes into a face it finds itself.
 
 use glam::DVec3;
 use scene::{Scene, SurfaceId};
+use visibility::Frame;
 
-/// The surfaces above one surface's horizon.
+/// The surfaces above one horizon.
 #[derive(Clone, Debug, Default)]
 pub struct Horizon {
     own: Option<SurfaceId>,
@@ -36,25 +37,30 @@ impl Horizon {
         self.count
     }
 
-    /// Finds the surfaces that rise above the plane of `own`, where all its hemicubes stand, with the cpu's
-    /// tolerance. `normal` is theirs.
-    pub fn find(&mut self, scene: &Scene, own: SurfaceId, normal: DVec3, tolerance: f64) {
-        if self.own == Some(own) {
+    /// Finds the surfaces that rise above the horizon of the hemicube at `frame`, with the cpu's tolerance; all
+    /// hemicubes on the surface `own` have the same.
+    pub fn find(&mut self, scene: &Scene, own: Option<SurfaceId>, frame: &Frame, tolerance: f64) {
+        if own.is_some() && self.own == own {
             return;
         }
-        let height = |p: glam::Vec3| p.as_dvec3().dot(normal);
-        let own_height = height(scene.surface(own).corners[0]);
-        let own_reach = visibility::reach(scene.surface(own));
-        self.own = Some(own);
+        let normal = frame.normal;
+        let height = |p: DVec3| p.dot(normal);
+        let (own_point, own_reach) = match own.map(|own| scene.surface(own)) {
+            Some(surface) => (surface.corners[0].as_dvec3(), visibility::reach(surface)),
+            None => (frame.position, frame.position.abs()),
+        };
+        let own_height = height(own_point);
+        self.own = own;
         self.words.clear();
         self.words.resize(words(scene.surfaces().len()), 0);
         for (index, surface) in scene.surfaces().iter().enumerate() {
             let reach = visibility::reach(surface).max(own_reach);
             let is_above = surface.corners.into_iter().any(|p| {
-                let above = height(p) - own_height;
+                let above = height(p.as_dvec3()) - own_height;
                 above > 0.0 && !visibility::is_in_plane(above, tolerance, normal, reach)
             });
-            let bit = u32::from(is_above && index != own.index());
+            let is_own = own.is_some_and(|own| own.index() == index);
+            let bit = u32::from(is_above && !is_own);
             self.words[index / u32::BITS as usize] |= bit << (index % u32::BITS as usize);
         }
         self.count = self.words.iter().map(|word| word.count_ones()).sum();

@@ -179,12 +179,12 @@ impl AtlasDrawer {
         &self.colour_view
     }
 
-    /// Whether a tile of the hemicube at `frame` on a surface can be added before the next [`Self::draw`].
-    pub fn has_room(&mut self, scene: &Scene, own: SurfaceId, frame: &Frame) -> bool {
-        self.horizon
-            .find(scene, own, frame.normal, self.plane_tolerance);
+    /// Whether a tile of the hemicube at `frame` can be added before the next [`Self::draw`].
+    pub fn has_room(&mut self, scene: &Scene, own: Option<SurfaceId>, frame: &Frame) -> bool {
+        self.horizon.find(scene, own, frame, self.plane_tolerance);
         let pending = &self.pending;
-        let is_known = matches!(pending.last_horizon, Some((surface, _)) if surface == own);
+        let is_known = own.is_some()
+            && matches!(pending.last_horizon, Some((surface, _)) if Some(surface) == own);
         let words = if is_known {
             0
         } else {
@@ -196,12 +196,12 @@ impl AtlasDrawer {
             && pending.horizons.len() + words <= self.most_horizon_words
     }
 
-    /// Adds a tile of the hemicube at `frame` on a surface. There is room for it, and its place in
+    /// Adds a tile of the hemicube at `frame` on the surface `own`, if on any. There is room for it, and its place in
     /// the atlas follows that of the tile added before.
     pub fn add(
         &mut self,
         scene: &Scene,
-        own: SurfaceId,
+        own: Option<SurfaceId>,
         frame: &Frame,
         tile: usize,
         origin: [u32; 2],
@@ -293,19 +293,18 @@ impl AtlasDrawer {
         })
     }
 
-    /// Where a surface's horizon starts; there is room for it.
-    fn horizon_of(&mut self, scene: &Scene, own: SurfaceId, frame: &Frame) -> u32 {
-        self.horizon
-            .find(scene, own, frame.normal, self.plane_tolerance);
+    /// Where the horizon of a hemicube starts; there is room for it.
+    fn horizon_of(&mut self, scene: &Scene, own: Option<SurfaceId>, frame: &Frame) -> u32 {
+        self.horizon.find(scene, own, frame, self.plane_tolerance);
         if let Some((surface, start)) = self.pending.last_horizon
-            && surface == own
+            && Some(surface) == own
         {
             return start;
         }
         let start = self.pending.horizons.len() as u32;
         let words = self.horizon.words();
         self.pending.horizons.extend_from_slice(words);
-        self.pending.last_horizon = Some((own, start));
+        self.pending.last_horizon = own.map(|own| (own, start));
         start
     }
 }

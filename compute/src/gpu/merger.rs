@@ -71,7 +71,7 @@ impl Merger {
         layout: AtlasLayout,
         hemicubes: &Hemicubes,
     ) -> Result<Self, BackendError> {
-        let patch_count = hemicubes.sources().patch_count();
+        let patch_count = hemicubes.sources().count();
         let counts: Vec<u32> = hemicubes.tables().map(|(count, _)| count).collect();
         let hemicubes_per_row = counts.last().copied().unwrap_or(1);
         let sums_per_row = u64::from(patch_count) + 2;
@@ -293,7 +293,7 @@ impl Merger {
             let counted: Vec<CountedEntry> =
                 bytemuck::pod_collect_to_vec(read.get(..bytes as usize).unwrap_or(&[]));
             let entry = |CountedEntry { patch, units }| Entry {
-                patch,
+                source: patch,
                 units: units as f32,
             };
             counted.into_iter().map(entry).collect()

@@ -52,6 +52,5 @@ pub mod readback;
 pub mod rows;
 pub mod structs;
 
-pub use adapter::AdapterChoice;
 pub use raster::Raster;
 pub use rows::GpuRows;

@@ -2,7 +2,6 @@
 
 use std::time::{Duration, Instant};
 
-use scene::PatchId;
 use visibility::hemicube::pixel_count;
 
 use super::adapter::Gpu;
@@ -10,6 +9,7 @@ use super::atlas::TILES_PER_HEMICUBE;
 use super::item_buffer::AtlasDrawer;
 use super::raster::Raster;
 use crate::hemicubes::Hemicubes;
+use crate::receivers::ReceiverId;
 use crate::rows::BackendError;
 
 /// A race that takes the slower one so long is long enough: far more than what a submission costs by
@@ -34,7 +34,7 @@ pub fn fastest(
 ) -> Result<Raster, BackendError> {
     let offered = Raster::offered_by(gpu);
     let resolution = drawer.layout().resolution;
-    let surfaces = hemicubes.sources().surfaces().len() as u64;
+    let surfaces = hemicubes.sources().scene().surfaces().len() as u64;
     let tests = pixel_count(resolution) as u64 * surfaces;
     if offered.len() == 1 || resolution.pow(2) > MOST_PIXELS || tests > MOST_TESTS {
         return Ok(offered[0]);
@@ -76,12 +76,13 @@ fn race(
 
 /// Adds a hemicube on each of so many patches all over the scene.
 fn add_sample(drawer: &mut AtlasDrawer, hemicubes: &Hemicubes, count: u32) {
-    let scene = hemicubes.sources();
-    let patches = u64::from(hemicubes.receivers().patch_count());
+    let scene = hemicubes.sources().scene();
+    let receivers = hemicubes.receivers();
+    let rows = u64::from(receivers.count());
     for k in 0..u64::from(count) {
-        let patch = PatchId((k * patches / u64::from(count)) as u32);
-        let own = hemicubes.surface_of(patch);
-        let frame = &hemicubes.frames(patch)[0];
+        let receiver = ReceiverId((k * rows / u64::from(count)) as u32);
+        let own = receivers.surface(receiver);
+        let frame = &receivers.frames(receiver)[0];
         for tile in 0..TILES_PER_HEMICUBE {
             if !drawer.has_room(scene, own, frame) {
                 return;

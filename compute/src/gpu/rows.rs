@@ -5,10 +5,9 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
-use scene::PatchId;
 use visibility::{Frame, hemicube};
 
-use super::adapter::{AdapterChoice, Gpu};
+use super::adapter::Gpu;
 use super::atlas::TILES_PER_HEMICUBE;
 use super::item_buffer::AtlasDrawer;
 use super::merger::{FinishedBatch, Merger, SLOTS};
@@ -16,7 +15,9 @@ use super::pace::Pace;
 use super::race;
 use super::raster::Raster;
 use super::structs::Tile;
+use crate::backend::AdapterChoice;
 use crate::hemicubes::Hemicubes;
+use crate::receivers::ReceiverId;
 use crate::rows::{BackendError, RowBatch, RowSource};
 
 /// Submissions in a batch that is asked for, so that most are prepared while another is drawn. Few enough
@@ -68,7 +69,7 @@ impl<'a> GpuRows<'a> {
     ) -> Result<Self, BackendError> {
         let gpu = Gpu::open(choice)?;
         let mut drawer =
-            AtlasDrawer::new(&gpu, hemicubes.sources(), hemicubes.settings().resolution)?;
+            AtlasDrawer::new(&gpu, hemicubes.sources().scene(), hemicubes.resolution())?;
         let merger = Merger::new(&gpu, drawer.view(), drawer.layout(), hemicubes)?;
         let pace = Pace::new(drawer.layout().tiles());
         let raster = match raster {
@@ -101,20 +102,25 @@ impl<'a> GpuRows<'a> {
         self.gpu.name()
     }
 
-    /// The item buffer of the hemicube at `frame` on a patch, in the layout and with the codes of
+    /// The item buffer of the hemicube at `frame` of a receiver, in the layout and with the codes of
     /// [`visibility::item_buffer::HemicubeDrawer::item_buffer`]. It is read back pixel by pixel, which
     /// is slow; rows never are.
-    pub fn item_buffer(&mut self, patch: PatchId, frame: &Frame) -> Result<Vec<u32>, BackendError> {
-        let scene = self.hemicubes.sources();
-        let own = self.hemicubes.surface_of(patch);
-        let frames = self.hemicubes.frames(patch);
-        // A frame that is not one of the patch's own is drawn where the first of them is.
+    pub fn item_buffer(
+        &mut self,
+        receiver: ReceiverId,
+        frame: &Frame,
+    ) -> Result<Vec<u32>, BackendError> {
+        let hemicubes = Arc::clone(&self.hemicubes);
+        let (scene, receivers) = (hemicubes.sources().scene(), hemicubes.receivers());
+        let own = receivers.surface(receiver);
+        let frames = receivers.frames(receiver);
+        // A frame that is not one of the receiver's own is drawn where the first of them is.
         let point = frames.iter().position(|f| f == frame).unwrap_or(0);
         let layout = self.drawer.layout();
         let mut ids = Vec::with_capacity(hemicube::pixel_count(layout.resolution));
         self.gpu.check()?;
         for tile in 0..TILES_PER_HEMICUBE {
-            let number = self.hemicubes.first(patch) + point as u64;
+            let number = receivers.first_point(receiver) + point as u64;
             let origin = layout.origin(number, tile);
             self.drawer.add(scene, own, frame, tile, origin);
             let mut encoder = self.gpu.encoder();
@@ -125,12 +131,13 @@ impl<'a> GpuRows<'a> {
         Ok(ids)
     }
 
-    /// Adds the tiles of a patch's hemicubes to the row of that number, and submits what is full.
-    fn add_row(&mut self, patch: PatchId, row: u32) -> Result<(), BackendError> {
-        let scene = self.hemicubes.sources();
-        let own = self.hemicubes.surface_of(patch);
-        let frames = self.hemicubes.frames(patch);
-        for (number, frame) in (self.hemicubes.first(patch)..).zip(&frames) {
+    /// Adds the tiles of a receiver's hemicubes to the row of that number, and submits what is full.
+    fn add_row(&mut self, receiver: ReceiverId, row: u32) -> Result<(), BackendError> {
+        let hemicubes = Arc::clone(&self.hemicubes);
+        let (scene, receivers) = (hemicubes.sources().scene(), hemicubes.receivers());
+        let own = receivers.surface(receiver);
+        let frames = receivers.frames(receiver);
+        for (number, frame) in (receivers.first_point(receiver)..).zip(&frames) {
             for tile in 0..TILES_PER_HEMICUBE {
                 if self.tiles.len() as u32 >= self.pace.tiles()
                     || !self.drawer.has_room(scene, own, frame)
@@ -185,17 +192,18 @@ impl<'a> GpuRows<'a> {
 }
 
 impl RowSource for GpuRows<'_> {
-    fn draw_rows(&mut self, patches: Range<u32>) -> Result<RowBatch, BackendError> {
+    fn draw_rows(&mut self, receivers: Range<u32>) -> Result<RowBatch, BackendError> {
         self.gpu.check()?;
-        self.rows = RowBatch::new(patches.start);
+        self.rows = RowBatch::new(receivers.start);
         let mut row = 0;
-        for patch in patches.clone() {
-            self.add_row(PatchId(patch), row)?;
+        for receiver in receivers.clone() {
+            self.add_row(ReceiverId(receiver), row)?;
             row += 1;
-            let next = PatchId(patch + 1);
-            let is_last = next.0 == patches.end;
+            let next = ReceiverId(receiver + 1);
+            let is_last = next.0 == receivers.end;
             let fits = || {
-                let tiles = self.hemicubes.count(next) * TILES_PER_HEMICUBE as u32;
+                let tiles =
+                    self.hemicubes.receivers().point_count(next) * TILES_PER_HEMICUBE as u32;
                 self.tiles.len() as u32 + tiles <= self.pace.tiles()
             };
             if is_last || row == self.merger.max_rows() || !fits() {
@@ -212,11 +220,15 @@ impl RowSource for GpuRows<'_> {
     /// Several submissions' worth of hemicubes, so that the device seldom waits for the next; it grows
     /// from small as the adapter turns out to be fast.
     fn preferred_batch(&self) -> u32 {
-        let patches = u64::from(self.hemicubes.receivers().patch_count().max(1));
-        let hemicubes_per_row = self.hemicubes.total().div_ceil(patches) as u32;
+        let rows = u64::from(self.hemicubes.receivers().count().max(1));
+        let hemicubes_per_row = self.hemicubes.total().div_ceil(rows) as u32;
         let per_submission = (self.pace.tiles() / (TILES_PER_HEMICUBE as u32 * hemicubes_per_row))
             .clamp(1, self.merger.max_rows());
         SUBMISSIONS_PER_BATCH * per_submission
+    }
+
+    fn backend(&self) -> &'static str {
+        "gpu"
     }
 
     fn describe(&self) -> String {
@@ -274,7 +286,7 @@ mod tests {
             }
             Err(error) => panic!("{error}"),
         };
-        assert_eq!(rows.draw_rows(0..4).unwrap().patches(), 0..4);
+        assert_eq!(rows.draw_rows(0..4).unwrap().receivers(), 0..4);
         rows.gpu.device.destroy();
         for _ in 0..3 {
             let lost = rows.draw_rows(4..8);
@@ -283,8 +295,8 @@ mod tests {
                 "{lost:?}"
             );
         }
-        let frame = hemicubes.frames(PatchId(0))[0];
-        let lost = rows.item_buffer(PatchId(0), &frame);
+        let frame = hemicubes.receivers().frames(ReceiverId(0))[0];
+        let lost = rows.item_buffer(ReceiverId(0), &frame);
         assert!(
             matches!(lost, Err(BackendError::DeviceLost { .. })),
             "{lost:?}"

@@ -15,8 +15,8 @@ fn unreplaced<'r>(
         .cloned()
         .chain(std::iter::once(u32::MAX..u32::MAX))
         .map(move |range| {
-            let end = row.partition_point(|entry| entry.patch < range.start);
-            let next = row.partition_point(|entry| entry.patch < range.end);
+            let end = row.partition_point(|entry| entry.source < range.start);
+            let next = row.partition_point(|entry| entry.source < range.end);
             let part = &row[..end];
             row = &row[next..];
             part
@@ -38,7 +38,7 @@ pub(super) fn merge(row: &Row, seen: &Seen) -> Option<Row> {
         .factors
         .iter()
         .map(|&(patch, factor)| Entry {
-            patch,
+            source: patch,
             units: (factor * one) as f32,
         })
         .filter(|entry| entry.units > 0.0)
@@ -55,7 +55,7 @@ pub(super) fn merge(row: &Row, seen: &Seen) -> Option<Row> {
     let mut merged = Vec::with_capacity(row.len() + lamps.len());
     let mut lamps = &lamps[..];
     for part in unreplaced(row, &seen.replaced).filter(|part| !part.is_empty()) {
-        let before = lamps.partition_point(|lamp| lamp.patch < part[0].patch);
+        let before = lamps.partition_point(|lamp| lamp.source < part[0].source);
         merged.extend_from_slice(&lamps[..before]);
         lamps = &lamps[before..];
         merged.extend(part.iter().map(|entry| Entry {

@@ -31,12 +31,12 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use scene::PatchId;
 use thread_local::ThreadLocal;
 
 use self::find::{Lamp, lamps};
 use self::view::LampViewer;
 use crate::hemicubes::Hemicubes;
+use crate::receivers::ReceiverId;
 use crate::rows::{BackendError, RowBatch, RowSource};
 use crate::settings::{LampViews, Maps};
 
@@ -57,7 +57,7 @@ pub fn with_lamps<'a>(
     views: LampViews,
     source: Box<dyn RowSource + 'a>,
 ) -> Box<dyn RowSource + 'a> {
-    let off = views == LampViews::Off || hemicubes.settings().maps == Maps::Thesis;
+    let off = views == LampViews::Off || hemicubes.maps() == Maps::Thesis;
     let lamps = if off {
         Vec::new()
     } else {
@@ -76,9 +76,9 @@ pub fn with_lamps<'a>(
 }
 
 impl RowSource for LampRows<'_> {
-    fn draw_rows(&mut self, patches: Range<u32>) -> Result<RowBatch, BackendError> {
-        let first = patches.start;
-        let mut drawn = self.inner.draw_rows(patches)?;
+    fn draw_rows(&mut self, receivers: Range<u32>) -> Result<RowBatch, BackendError> {
+        let first = receivers.start;
+        let mut drawn = self.inner.draw_rows(receivers)?;
         let Self {
             hemicubes,
             lamps,
@@ -89,13 +89,19 @@ impl RowSource for LampRows<'_> {
         let rows = drawn.rows_mut().par_iter_mut().enumerate();
         rows.with_max_len(1).for_each(|(k, row)| {
             let viewer = viewers.get_or(|| RefCell::new(LampViewer::new(hemicubes, lamps, *all)));
-            viewer.borrow_mut().refine(PatchId(first + k as u32), row);
+            viewer
+                .borrow_mut()
+                .refine(ReceiverId(first + k as u32), row);
         });
         Ok(drawn)
     }
 
     fn preferred_batch(&self) -> u32 {
         self.inner.preferred_batch()
+    }
+
+    fn backend(&self) -> &'static str {
+        self.inner.backend()
     }
 
     fn describe(&self) -> String {

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use glam::DVec3;
-use scene::{PatchId, Scene, SurfaceId};
+use scene::{Scene, SurfaceId};
 use visibility::{Canvas, Cull, Eye, Frame, View, Viewer, is_in_plane, reach};
 
 use super::find::Lamp;
@@ -12,6 +12,7 @@ use super::merge::merge;
 use super::piece::{Piece, pieces};
 use crate::hemicubes::Hemicubes;
 use crate::polygon_form_factor::{in_front, point_to_polygon};
+use crate::receivers::ReceiverId;
 use crate::rows::Row;
 
 /// Share of the unhidden light of all lamps from which on one has its own view.
@@ -36,7 +37,7 @@ pub(super) struct LampViewer<'a> {
     sums: Sums,
 }
 
-/// What one patch sees of the lamps that matter to it.
+/// What one receiver sees of the lamps that matter to it.
 pub(super) struct Seen {
     /// Patches of the lamps with views, ascending ranges.
     pub replaced: Vec<Range<u32>>,
@@ -97,7 +98,7 @@ impl<'a> LampViewer<'a> {
     /// A viewer of these lamps; of all of them, if `all`, whether they matter or not.
     pub fn new(hemicubes: &Arc<Hemicubes<'a>>, lamps: &Arc<[Lamp]>, all: bool) -> Self {
         Self {
-            scene: hemicubes.sources(),
+            scene: hemicubes.sources().scene(),
             hemicubes: Arc::clone(hemicubes),
             lamps: Arc::clone(lamps),
             all,
@@ -110,10 +111,10 @@ impl<'a> LampViewer<'a> {
         }
     }
 
-    /// Gives the lamps that matter to a patch their own factors in its row.
-    pub fn refine(&mut self, patch: PatchId, row: &mut Row) {
-        let frames = self.hemicubes.frames(patch);
-        let own = self.hemicubes.surface_of(patch);
+    /// Gives the lamps that matter to a receiver their own factors in its row.
+    pub fn refine(&mut self, receiver: ReceiverId, row: &mut Row) {
+        let frames = self.hemicubes.receivers().frames(receiver);
+        let own = self.hemicubes.receivers().surface(receiver);
         let mut chosen = self.choose(own, &frames);
         let seen = loop {
             match self.look(own, &frames, &chosen) {
@@ -127,13 +128,13 @@ impl<'a> LampViewer<'a> {
         }
     }
 
-    /// The lamps that matter to a patch.
-    fn choose(&self, own: SurfaceId, frames: &[Frame]) -> Vec<Choice> {
+    /// The lamps that matter to a receiver.
+    fn choose(&self, own: Option<SurfaceId>, frames: &[Frame]) -> Vec<Choice> {
         // Unhidden light, number, and for each point the lamp's polygons.
         let mut possible: Vec<(f64, usize, Vec<Polygons>)> = Vec::new();
         let mut total = 0.0;
         for (index, lamp) in self.lamps.iter().enumerate() {
-            if lamp.surfaces.binary_search(&own).is_ok() {
+            if own.is_some_and(|own| lamp.surfaces.binary_search(&own).is_ok()) {
                 continue;
             }
             let polygons: Vec<_> = frames.iter().map(|f| self.polygons(f, lamp)).collect();
@@ -191,7 +192,12 @@ impl<'a> LampViewer<'a> {
 
     /// The mean over the points of what is seen of the chosen lamps; as an error a lamp of which no pixel of
     /// a view meets anything from some point from which no single piece hides it.
-    fn look(&mut self, own: SurfaceId, frames: &[Frame], chosen: &[Choice]) -> Result<Seen, usize> {
+    fn look(
+        &mut self,
+        own: Option<SurfaceId>,
+        frames: &[Frame],
+        chosen: &[Choice],
+    ) -> Result<Seen, usize> {
         let Self {
             lamps,
             of_all,
@@ -211,7 +217,7 @@ impl<'a> LampViewer<'a> {
             }
             let views = chosen.iter().flat_map(|choice| &choice.pieces[k]);
             let pixels = views.map(|piece| piece.window.width * piece.window.height);
-            let eye = Eye::on_surface(frame, own);
+            let eye = Eye::with_horizon(frame, own);
             let all = of_all.view(&eye, pixels.sum());
             for choice in chosen.iter().filter(|choice| !choice.pieces[k].is_empty()) {
                 if all.hides(&choice.polygons[k]) {

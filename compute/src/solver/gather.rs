@@ -112,9 +112,9 @@ impl Gather {
             .into_par_iter()
             .with_min_len(ROWS_PER_TASK)
             .map(|patch| {
-                let batch = batches.partition_point(|b| b.patches().end as usize <= patch);
+                let batch = batches.partition_point(|b| b.receivers().end as usize <= patch);
                 let batch = batches[batch];
-                let row = batch.row(patch - batch.patches().start as usize);
+                let row = batch.row(patch - batch.receivers().start as usize);
                 gatherer.irradiance(row, radiosity)
             });
         self.next.par_extend(irradiance);
@@ -146,7 +146,7 @@ impl Solver for Gather {
         let first = self.next.len();
         let batches = rows.batches_with(first as u32, STEP_BYTES)?;
         // The first may begin before the next patch where an iteration was stopped in other batches.
-        let end = batches.last().map_or(first, |b| b.patches().end as usize);
+        let end = batches.last().map_or(first, |b| b.receivers().end as usize);
         while self.next.len() < end {
             let from = self.next.len();
             self.gather(&batches, end.min((from / self.block + 1) * self.block));

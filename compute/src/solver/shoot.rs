@@ -102,7 +102,7 @@ impl Shoot {
     fn shoot(&mut self, shooter: usize, radiosity: Rgb, row: Row) {
         let from = radiosity.as_dvec3() * self.problem.areas[shooter] / f64::from(UNITS_PER_ONE);
         for entry in row {
-            let j = entry.patch as usize;
+            let j = entry.source as usize;
             let received = f64::from(entry.units) * self.inverse_areas[j] * from;
             let before = self.irradiance[j].as_dvec3() + self.remainder[j].as_dvec3();
             // Taking back what was shot too much may round to a little below nothing.
@@ -122,7 +122,7 @@ impl Shoot {
     ) -> Result<Step, BackendError> {
         let count = self.problem.patch_count();
         let batch = rows.batch_with(takeover.next as u32)?;
-        let range = batch.patches();
+        let range = batch.receivers();
         for patch in takeover.next..range.end as usize {
             let radiosity = self
                 .problem
@@ -267,7 +267,7 @@ impl Solver for Shoot {
         }
         let shooter = self.unshot_powers.largest();
         let batch = rows.batch_for_one(shooter as u32)?;
-        let row = batch.row(shooter - batch.patches().start as usize);
+        let row = batch.row(shooter - batch.receivers().start as usize);
         let radiosity = std::mem::take(&mut self.unshot[shooter]);
         self.unshot_powers.set(shooter, 0.0);
         self.shoot(shooter, radiosity, row);

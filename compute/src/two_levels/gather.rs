@@ -1,12 +1,13 @@
 //! What all patches receive from the sources: one pass.
 
-use scene::{Level, Rgb, Scene, Solution, State};
+use scene::{Level, Rgb, Solution, State};
 
-use super::{Radiosities, restricted};
+use super::Radiosities;
 use crate::problem::Problem;
 use crate::row_cache::RowCache;
 use crate::rows::BackendError;
 use crate::solver::{Solver, Step};
+use crate::sources::Sources;
 
 /// Each patch gathers once from the sources.
 #[derive(Debug)]
@@ -24,18 +25,18 @@ pub struct GatherOnce {
 impl GatherOnce {
     /// Gathering from the `solution` of sources of at most `max_area`, m^2, as a solution of the scene; where it was
     /// gathering already, it goes on.
-    pub fn new(scene: &Scene, sources: &Scene, max_area: f64, mut solution: Solution) -> Self {
+    pub fn new(sources: &Sources, max_area: f64, mut solution: Solution) -> Self {
         let irradiance = match std::mem::take(&mut solution.provenance.level) {
             Level::Gathering { gathered, .. } => gathered,
             _ => Vec::new(),
         };
-        let among_sources = restricted(scene, sources, &solution.irradiance);
+        let among_sources = sources.restricted(&solution.irradiance);
         Self {
-            radiosities: Radiosities::new(&Problem::new(sources), &among_sources),
+            radiosities: Radiosities::new(&Problem::new(sources.scene()), &among_sources),
             sources: solution,
             max_area,
             irradiance,
-            patch_count: scene.patch_count() as usize,
+            patch_count: sources.patches().patch_count() as usize,
         }
     }
 

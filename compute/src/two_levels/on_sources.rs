@@ -1,17 +1,16 @@
 //! Solving among sources, as a run of the patches sees it.
 
-use scene::{Level, Scene, Solution, State};
+use scene::{Level, Solution, State};
 
-use super::{prolonged, restricted};
 use crate::row_cache::RowCache;
 use crate::rows::BackendError;
 use crate::solver::{Solver, Step};
+use crate::sources::Sources;
 
 /// A solver among the sources of a scene, whose solutions are the scene's: each patch has what its source has.
 pub struct OnSources<'a> {
     solver: Box<dyn Solver + 'a>,
-    scene: &'a Scene,
-    sources: &'a Scene,
+    sources: Sources<'a>,
     max_area: f64,
 }
 
@@ -19,18 +18,21 @@ impl<'a> OnSources<'a> {
     /// The solver that `make` makes among `sources`, those of at most `max_area`, m^2, going on from `start`, one
     /// of the scene.
     pub fn new(
-        scene: &'a Scene,
-        sources: &'a Scene,
+        sources: Sources<'a>,
         max_area: f64,
         start: Solution,
         make: impl FnOnce(Solution) -> Box<dyn Solver + 'a>,
     ) -> Self {
         Self {
-            solver: make(restrict(scene, sources, start)),
-            scene,
+            solver: make(restrict(&sources, start)),
             sources,
             max_area,
         }
+    }
+
+    /// The sources.
+    pub fn sources(&self) -> &Sources<'a> {
+        &self.sources
     }
 
     /// The sources' own solution.
@@ -40,13 +42,13 @@ impl<'a> OnSources<'a> {
 }
 
 /// A solution of the sources. What of an iteration was reached is kept where it was reached among them.
-fn restrict(scene: &Scene, sources: &Scene, start: Solution) -> Solution {
+fn restrict(sources: &Sources, start: Solution) -> Solution {
     let Solution {
         irradiance,
         mut provenance,
         state,
     } = start;
-    let to_sources = |values: &[_]| restricted(scene, sources, values);
+    let to_sources = |values: &[_]| sources.restricted(values);
     let level = std::mem::take(&mut provenance.level);
     let state = match (state, level.source_area()) {
         (State::Unfinished { .. }, None) => State::AtRest,
@@ -70,7 +72,7 @@ impl Solver for OnSources<'_> {
             mut provenance,
             state,
         } = self.solver.snapshot();
-        let to_patches = |values: &[_]| prolonged(self.scene, self.sources, values);
+        let to_patches = |values: &[_]| self.sources.prolonged(values);
         provenance.level = Level::Sources {
             max_area: self.max_area,
         };

@@ -6,24 +6,25 @@ use std::fmt::Write;
 
 use super::case::{Case, Measure};
 use super::print::{error, number};
-use super::{Accuracy, Outcome, VerifyError, measure_all};
-use crate::settings::{BackendChoice, FormFactorSettings, LampViews, Maps};
+use super::{Outcome, VerifyError, measure_all, shown};
+use crate::settings::{BackendChoice, ClosedForms, FormFactorSettings, LampViews, Maps};
 
 /// The whole document. The tables of errors are drawn by the first back end.
 pub fn document(
     outcomes: &[Outcome],
     cases: &[Case],
-    accuracy: Accuracy,
+    settings: FormFactorSettings,
     choices: &[BackendChoice],
 ) -> Result<String, VerifyError> {
     let mut text = format!(
         "# Accuracy\n\n\
          How far this program is from answers that are known, case by case. Written by\n\n\
          ```\ncompute verify --markdown > docs/ACCURACY.md\n```\n\n\
-         at {accuracy}. A case goes the whole way a scene goes. Errors are relative, and absolute where 0 is \
+         at {}. A case goes the whole way a scene goes. Errors are relative, and absolute where 0 is \
          expected; a tolerance is what the default settings should reach, and why is said below the \
          table. Row sums cannot replace these cases: factors that are wrong and then normalised sum \
-         to 1 as well.\n"
+         to 1 as well.\n",
+        shown(settings)
     );
     let backends = unique(outcomes.iter().map(|outcome| outcome.backend));
     for backend in backends {
@@ -32,9 +33,14 @@ pub fn document(
         cases_table(&mut text, &of_backend);
     }
     tolerances(&mut text, cases);
-    thesis(&mut text, outcomes, cases, accuracy, choices)?;
-    sweeps::errors(&mut text, cases, accuracy, choices[0])?;
-    sweeps::means(&mut text, cases, accuracy, choices[0])?;
+    // What follows is about hemicubes.
+    let settings = FormFactorSettings {
+        closed_forms: ClosedForms::Off,
+        ..settings
+    };
+    thesis(&mut text, outcomes, cases, settings, choices)?;
+    sweeps::errors(&mut text, cases, settings, choices[0])?;
+    sweeps::means(&mut text, cases, settings, choices[0])?;
     text.push_str(CERTIFICATES);
     Ok(text.trim_end().to_owned())
 }
@@ -150,7 +156,7 @@ fn thesis(
     text: &mut String,
     outcomes: &[Outcome],
     cases: &[Case],
-    accuracy: Accuracy,
+    settings: FormFactorSettings,
     choices: &[BackendChoice],
 ) -> Result<(), VerifyError> {
     heading(text, "The thesis's multipliers");
@@ -159,15 +165,13 @@ fn thesis(
         "The same cases with `--maps thesis`: 1/r on top and z/r^2 at the sides, normalised. Row sums \
          and furnaces cannot tell the difference and are left out.\n",
     );
-    let accuracy = Accuracy {
-        form_factors: FormFactorSettings {
-            maps: Maps::Thesis,
-            ..accuracy.form_factors
-        },
+    let settings = FormFactorSettings {
+        maps: Maps::Thesis,
         // The thesis has none.
         lamps: LampViews::Off,
+        ..settings
     };
-    let of_thesis = measure_all(cases, accuracy, &choices[..1], |_| ())?;
+    let of_thesis = measure_all(cases, settings, &choices[..1], |_| ())?;
     row(
         text,
         &[

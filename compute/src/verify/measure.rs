@@ -1,20 +1,18 @@
-//! Measuring a case by the pipeline that solves scenes: back end, rows, solver.
+//! Measuring a case by what a run is made of.
 
-use std::sync::Arc;
-
-use scene::{Provenance, Rgb, Scene, Solution};
+use scene::{Rgb, Scene, Solution};
 
 use super::case::{Case, Expected, Measure};
-use super::{Accuracy, VerifyError, dense, path_tracer};
-use crate::backend;
+use super::{VerifyError, dense, path_tracer};
+use crate::Solve;
 use crate::compact_rows::Row;
-use crate::hemicubes::Hemicubes;
-use crate::lamps::with_lamps;
+use crate::form_factors::{FormFactors, Needed};
 use crate::problem::Problem;
 use crate::row_cache::RowCache;
 use crate::rows::UNITS_PER_ONE;
-use crate::settings::{BackendChoice, SolverChoice};
-use crate::solver::{Gather, Shoot, Solver, Update};
+use crate::settings::{
+    BackendChoice, Drawing, FormFactorSettings, SolutionSettings, SolveSettings, SolverChoice,
+};
 
 /// What came out, and what should have.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,9 +35,6 @@ impl Measured {
     }
 }
 
-/// Rows are small here; all of them are kept.
-const MEMORY_BYTES: u64 = 4 << 30;
-
 /// Residual at which a dense solve is compared.
 const DENSE_RESIDUAL: f64 = 1e-7;
 
@@ -57,7 +52,7 @@ const MOST_ITERATIONS: u64 = 100_000;
 pub struct Solved(Vec<(SolvedRoom, Vec<Rgb>)>);
 
 /// A room, and how it was solved.
-type SolvedRoom = (&'static str, Accuracy, BackendChoice);
+type SolvedRoom = (&'static str, FormFactorSettings, BackendChoice);
 
 impl Solved {
     fn get_or_solve(
@@ -76,28 +71,39 @@ impl Solved {
     }
 }
 
-/// Measures one case. Also gives the name of the back end that drew.
+/// Measures one case. Also says who made the rows: `cpu`, `gpu` or `formula`.
 pub fn measure(
     case: &Case,
-    accuracy: Accuracy,
+    settings: FormFactorSettings,
     choice: BackendChoice,
     solved: &mut Solved,
 ) -> Result<(Measured, &'static str), VerifyError> {
     let scene = case.scene.build()?;
-    let hemicubes = Arc::new(Hemicubes::new(&scene, accuracy.form_factors));
-    let backend = backend::open(&hemicubes, choice)?;
-    let source = with_lamps(&hemicubes, accuracy.lamps, backend.source);
+    let drawing = Drawing {
+        backend: choice,
+        ..Drawing::default()
+    };
+    let form_factors = FormFactors::new(&scene, settings, drawing);
     let mut bench = Bench {
         scene: &scene,
-        rows: RowCache::new(&hemicubes, source, MEMORY_BYTES),
+        settings,
+        drawing,
+        rows: form_factors.rows(Needed::All)?,
     };
-    let measured = bench.measure(case, |room| (room, accuracy, choice), solved)?;
-    Ok((measured, backend.name))
+    let measured = bench.measure(case, |room| (room, settings, choice), solved)?;
+    let backend = if bench.rows.has_hemicubes() {
+        bench.rows.backend()
+    } else {
+        "formula"
+    };
+    Ok((measured, backend))
 }
 
 /// A scene and its rows.
 struct Bench<'a> {
     scene: &'a Scene,
+    settings: FormFactorSettings,
+    drawing: Drawing,
     rows: RowCache<'a>,
 }
 
@@ -134,7 +140,7 @@ impl Bench<'_> {
                 statistic,
             } => {
                 let irradiance = solved.get_or_solve(key(room), || {
-                    self.iterate(SolverChoice::Jacobi, ROOM_RESIDUAL, MOST_ITERATIONS)
+                    self.solution(SolverChoice::Jacobi, ROOM_RESIDUAL, MOST_ITERATIONS)
                 })?;
                 let problem = Problem::new(self.scene);
                 known(path_tracer::statistic(
@@ -154,7 +160,7 @@ impl Bench<'_> {
         let mut patch = patches.start;
         while patch < patches.end {
             let batch = self.rows.batch_with(patch)?;
-            let drawn = batch.patches();
+            let drawn = batch.receivers();
             for i in patch..drawn.end.min(patches.end) {
                 each(i, batch.row((i - drawn.start) as usize));
             }
@@ -191,7 +197,7 @@ impl Bench<'_> {
             self.each_row(run, |i, row| {
                 let units: f64 = row
                     .into_iter()
-                    .filter(|entry| is_target[entry.patch as usize])
+                    .filter(|entry| is_target[entry.source as usize])
                     .map(|entry| f64::from(entry.units))
                     .sum();
                 weighted += areas[i as usize] * units;
@@ -202,8 +208,8 @@ impl Bench<'_> {
     }
 
     /// Mean irradiance of an object after one iteration, first channel, W/m^2.
-    fn irradiance(&mut self, of: &str) -> Result<f64, VerifyError> {
-        let solution = self.iterate(SolverChoice::Jacobi, 0.0, 1)?;
+    fn irradiance(&self, of: &str) -> Result<f64, VerifyError> {
+        let solution = self.solution(SolverChoice::Jacobi, 0.0, 1)?;
         let areas = self.scene.patch_areas();
         let patches = || {
             self.patches_of(of)
@@ -228,33 +234,31 @@ impl Bench<'_> {
         Ok(sums)
     }
 
-    fn iterate(
-        &mut self,
-        choice: SolverChoice,
-        residual: f64,
+    /// What a run comes to.
+    fn solution(
+        &self,
+        solver: SolverChoice,
+        tolerance: f64,
         most_iterations: u64,
     ) -> Result<Solution, VerifyError> {
-        let problem = Problem::new(self.scene);
-        let start = Solution {
-            provenance: Provenance::default(),
-            ..Solution::dark(self.scene)
+        let settings = SolveSettings {
+            solution: SolutionSettings {
+                form_factors: self.settings,
+                solver,
+                ..SolutionSettings::default()
+            },
+            drawing: self.drawing,
+            max_iterations: Some(most_iterations),
+            tolerance,
+            ..SolveSettings::default()
         };
-        let mut solver: Box<dyn Solver> = match choice {
-            SolverChoice::Jacobi => Box::new(Gather::new(problem, Update::AfterIteration, start)),
-            SolverChoice::GaussSeidel => Box::new(Gather::new(problem, Update::AtOnce, start)),
-            SolverChoice::Shooting => Box::new(Shoot::new(problem, start)),
-        };
-        while solver.iterations() < most_iterations
-            && solver.residual().is_none_or(|reached| reached > residual)
-        {
-            solver.step(&mut self.rows)?;
-        }
-        Ok(solver.snapshot())
+        let solved = Solve::new(self.scene).settings(settings).run()?;
+        Ok(solved.into_solution())
     }
 
     /// Radiosities, W/m^2, one per patch.
-    fn solve(&mut self, choice: SolverChoice, residual: f64) -> Result<Vec<Rgb>, VerifyError> {
-        let solution = self.iterate(choice, residual, MOST_ITERATIONS)?;
+    fn solve(&self, choice: SolverChoice, residual: f64) -> Result<Vec<Rgb>, VerifyError> {
+        let solution = self.solution(choice, residual, MOST_ITERATIONS)?;
         Ok(solution.radiosity(self.scene))
     }
 
@@ -269,7 +273,7 @@ impl Bench<'_> {
             let i = i as usize;
             for entry in row {
                 let (j, factor) = (
-                    entry.patch as usize,
+                    entry.source as usize,
                     f64::from(entry.units) / f64::from(UNITS_PER_ONE),
                 );
                 if choice == SolverChoice::Shooting {

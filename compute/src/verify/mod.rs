@@ -7,7 +7,8 @@
 //! against a dense linear solve, and the Cornell box against a [path tracer](path_tracer).
 //!
 //! # Practice
-//! A case goes the way a scene goes: surfaces, bisection mesh, back end, rows, solver. The shape
+//! A case goes the way a scene goes in a run with the same options: [`FormFactors`](crate::FormFactors) has its rows, and
+//! [`Solve`](crate::Solve) solves it. The shape
 //! whose rows are drawn has at least [`case::PATCHES`] patches, unless it stands for a point; what
 //! it looks at is left whole, for a sum over patches does not depend on how they are cut. Tolerances
 //! are those of the default settings, each with the errors it covers; at other settings they are the
@@ -27,24 +28,22 @@ mod rooms;
 pub mod shapes;
 
 use std::io::Write;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use scene::SceneError;
 
-use crate::backend;
-use crate::hemicubes::Hemicubes;
 use crate::quantity::show_duration;
 use crate::rows::BackendError;
-use crate::settings::{BackendChoice, FormFactorSettings, LampViews};
+use crate::settings::{BackendChoice, FormFactorSettings};
+use crate::solve::SolveError;
 use case::Case;
 use measure::{Measured, Solved, measure};
 
 /// What `compute verify` is asked to do.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// What decides the rows.
-    pub accuracy: Accuracy,
+    /// What decides the rows, as in a run.
+    pub form_factors: FormFactorSettings,
     /// Who draws.
     pub backends: Backends,
     /// A case's name, or a part of some cases' names; `None`: all cases.
@@ -53,43 +52,29 @@ pub struct Settings {
     pub format: Format,
 }
 
-/// What decides the rows, whoever draws them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Accuracy {
-    /// What decides the form factors.
-    pub form_factors: FormFactorSettings,
-    /// Which lamps get a view of their own.
-    pub lamps: LampViews,
-}
-
-impl std::fmt::Display for Accuracy {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let FormFactorSettings {
-            resolution,
-            points,
-            maps,
-            ..
-        } = self.form_factors;
-        let [maps, lamps] =
-            [format!("{maps:?}"), format!("{:?}", self.lamps)].map(|name| name.to_lowercase());
-        write!(
-            f,
-            "{resolution} pixels, points {points}, {maps} maps, lamps {lamps}"
-        )
-    }
-}
-
 /// The back ends to verify.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Backends {
-    /// The CPU, and the GPU where there is a real one.
-    Available,
-    /// The CPU and any GPU, a software one too.
+    /// What a run has by default: formulas where they will do, the GPU where there is a real one.
+    Auto,
+    /// What a run has by default, the CPU, and any GPU, a software one too.
     All,
     /// The CPU.
     Cpu,
     /// Any GPU, a software one too.
     Gpu,
+}
+
+impl Backends {
+    /// What is asked of [`FormFactors`](crate::FormFactors), one for each back end.
+    fn choices(self) -> &'static [BackendChoice] {
+        match self {
+            Self::Auto => &[BackendChoice::Auto],
+            Self::Cpu => &[BackendChoice::Cpu],
+            Self::Gpu => &[BackendChoice::Gpu],
+            Self::All => &[BackendChoice::Auto, BackendChoice::Cpu, BackendChoice::Gpu],
+        }
+    }
 }
 
 /// How results are written.
@@ -122,6 +107,8 @@ pub enum VerifyError {
     Scene(#[from] SceneError),
     #[error(transparent)]
     Backend(#[from] BackendError),
+    #[error(transparent)]
+    Solve(#[from] SolveError),
 }
 
 /// A case, measured on one back end.
@@ -129,7 +116,7 @@ pub enum VerifyError {
 pub struct Outcome<'a> {
     /// The case.
     pub case: &'a Case,
-    /// The back end's name, `cpu` or `gpu`.
+    /// Who made the rows: `cpu`, `gpu` or `formula`.
     pub backend: &'static str,
     /// What came out.
     pub measured: Measured,
@@ -198,26 +185,26 @@ pub fn run_cases(
     out: &mut impl Write,
 ) -> Result<bool, VerifyError> {
     let start = Instant::now();
-    let accuracy = settings.accuracy;
-    let choices = choices(settings.backends, cases, accuracy)?;
+    let form_factors = settings.form_factors;
+    let choices = settings.backends.choices();
     let outcomes = match settings.format {
         Format::Text => {
             let columns = print::Columns::new(cases);
             say(out, &columns.header());
-            let outcomes = measure_all(cases, accuracy, &choices, |outcome| {
+            let outcomes = measure_all(cases, form_factors, choices, |outcome| {
                 say(out, &columns.line(outcome));
             })?;
-            say(out, &summary(&outcomes, accuracy, start.elapsed()));
+            say(out, &summary(&outcomes, form_factors, start.elapsed()));
             outcomes
         }
         Format::Json => {
-            let outcomes = measure_all(cases, accuracy, &choices, |_| ())?;
-            say(out, &print::json(&outcomes, accuracy)?);
+            let outcomes = measure_all(cases, form_factors, choices, |_| ())?;
+            say(out, &print::json(&outcomes, form_factors)?);
             outcomes
         }
         Format::Markdown => {
-            let outcomes = measure_all(cases, accuracy, &choices, |_| ())?;
-            let document = markdown::document(&outcomes, cases, accuracy, &choices)?;
+            let outcomes = measure_all(cases, form_factors, choices, |_| ())?;
+            let document = markdown::document(&outcomes, cases, form_factors, choices)?;
             say(out, &document);
             outcomes
         }
@@ -230,44 +217,33 @@ fn say(out: &mut impl Write, text: &str) {
     writeln!(out, "{text}").ok();
 }
 
-fn summary(outcomes: &[Outcome], accuracy: Accuracy, duration: Duration) -> String {
+fn summary(outcomes: &[Outcome], settings: FormFactorSettings, duration: Duration) -> String {
     let held = outcomes.iter().filter(|outcome| outcome.holds()).count();
     format!(
         "{held} of {} within their tolerances; {}; {}",
         outcomes.len(),
-        accuracy,
+        shown(settings),
         show_duration(duration)
     )
 }
 
-/// What is asked of [`backend::open`], one for each back end.
-fn choices(
-    backends: Backends,
-    cases: &[Case],
-    accuracy: Accuracy,
-) -> Result<Vec<BackendChoice>, VerifyError> {
-    Ok(match backends {
-        Backends::Cpu => vec![BackendChoice::Cpu],
-        Backends::Gpu => vec![BackendChoice::Gpu],
-        Backends::All => vec![BackendChoice::Cpu, BackendChoice::Gpu],
-        Backends::Available => {
-            let mut choices = vec![BackendChoice::Cpu];
-            if let Some(case) = cases.first() {
-                let scene = case.scene.build()?;
-                let hemicubes = Arc::new(Hemicubes::new(&scene, accuracy.form_factors));
-                if backend::open(&hemicubes, BackendChoice::Auto)?.name == "gpu" {
-                    choices.push(BackendChoice::Auto);
-                }
-            }
-            choices
-        }
-    })
+/// The settings, as a line has them.
+fn shown(settings: FormFactorSettings) -> String {
+    let FormFactorSettings {
+        resolution,
+        maps,
+        points,
+        lamps,
+        ..
+    } = settings;
+    let [maps, lamps] = [format!("{maps:?}"), format!("{lamps:?}")].map(|name| name.to_lowercase());
+    format!("{resolution} pixels, points {points}, {maps} maps, lamps {lamps}")
 }
 
 /// Measures each case on each back end, and shows each outcome as soon as it is there.
 fn measure_all<'a>(
     cases: &'a [Case],
-    accuracy: Accuracy,
+    settings: FormFactorSettings,
     choices: &[BackendChoice],
     mut show: impl FnMut(&Outcome),
 ) -> Result<Vec<Outcome<'a>>, VerifyError> {
@@ -276,7 +252,7 @@ fn measure_all<'a>(
     for case in cases {
         for &choice in choices {
             let (measured, backend) =
-                measure(case, accuracy, choice, &mut solved).map_err(|source| {
+                measure(case, settings, choice, &mut solved).map_err(|source| {
                     VerifyError::Case {
                         case: case.name.clone(),
                         source: Box::new(source),

@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use super::case::Case;
-use super::{Accuracy, Outcome, VerifyError};
-use crate::settings::{LampViews, Maps, Points};
+use super::{Outcome, VerifyError};
+use crate::settings::{FormFactorSettings, LampViews, Maps, Points};
 
 /// Widths of the text columns, so that lines can be printed one by one.
 pub struct Columns {
@@ -120,8 +120,7 @@ struct Line<'a> {
 }
 
 /// An array, one object a line.
-pub fn json(outcomes: &[Outcome], accuracy: Accuracy) -> Result<String, VerifyError> {
-    let settings = accuracy.form_factors;
+pub fn json(outcomes: &[Outcome], settings: FormFactorSettings) -> Result<String, VerifyError> {
     let lines: Vec<String> = outcomes
         .iter()
         .map(|outcome| {
@@ -133,7 +132,7 @@ pub fn json(outcomes: &[Outcome], accuracy: Accuracy) -> Result<String, VerifyEr
                 resolution: settings.resolution,
                 points: settings.points,
                 maps: settings.maps,
-                lamps: accuracy.lamps,
+                lamps: settings.lamps,
                 expected: outcome.measured.expected,
                 computed: outcome.measured.computed,
                 error: outcome.measured.error(),

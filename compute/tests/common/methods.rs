@@ -1,13 +1,11 @@
 //! The solvers on their own, and the equations they solve, as dense matrices.
 
-use std::sync::Arc;
-
-use compute::cpu::CpuRows;
-use compute::hemicubes::Hemicubes;
+use compute::FormFactors;
+use compute::form_factors::Needed;
 use compute::problem::Problem;
 use compute::row_cache::RowCache;
 use compute::rows::UNITS_PER_ONE;
-use compute::settings::{FormFactorSettings, Points};
+use compute::settings::{BackendChoice, Drawing, FormFactorSettings, LampViews, Points};
 use compute::solver::{Gather, Shoot, Solver, Update};
 use glam::DVec3;
 use scene::{Rgb, Scene, Solution, State};
@@ -20,6 +18,7 @@ pub const ROUNDINGS_PER_RADIOSITY: f64 = 3.0;
 
 pub const SETTINGS: FormFactorSettings = FormFactorSettings {
     points: Points::CENTROID,
+    lamps: LampViews::Off,
     ..FormFactorSettings::new(32)
 };
 
@@ -42,9 +41,12 @@ pub fn solver(method: Method, scene: &Scene, start: Solution) -> Box<dyn Solver>
 }
 
 pub fn rows(scene: &Scene, budget_bytes: u64) -> RowCache<'_> {
-    let hemicubes = Arc::new(Hemicubes::new(scene, SETTINGS));
-    let source = Box::new(CpuRows::new(&hemicubes));
-    RowCache::new(&hemicubes, source, budget_bytes)
+    let drawing = Drawing {
+        backend: BackendChoice::Cpu,
+        memory_bytes: budget_bytes,
+    };
+    let form_factors = FormFactors::new(scene, SETTINGS, drawing);
+    form_factors.rows(Needed::All).unwrap()
 }
 
 /// Goes on until `iterations` more are done; steps that end none are free.
@@ -83,8 +85,8 @@ pub fn form_factors(scene: &Scene) -> Vec<Vec<f64>> {
         .map(|i| {
             let batch = rows.batch_with(i as u32).unwrap();
             let mut row = vec![0.0; count];
-            for entry in batch.row(i - batch.patches().start as usize) {
-                row[entry.patch as usize] = f64::from(entry.units) / f64::from(UNITS_PER_ONE);
+            for entry in batch.row(i - batch.receivers().start as usize) {
+                row[entry.source as usize] = f64::from(entry.units) / f64::from(UNITS_PER_ONE);
             }
             row
         })

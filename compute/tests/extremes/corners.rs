@@ -220,7 +220,7 @@ fn irradiance_in_a_lit_corner_is_the_exact_one() {
             let units: f64 = rows
                 .row(patch as usize)
                 .iter()
-                .filter(|e| scene.patch_emissions()[e.patch as usize].x > 0.0)
+                .filter(|e| scene.patch_emissions()[e.source as usize].x > 0.0)
                 .map(|e| f64::from(e.units))
                 .sum();
             let found = units / one;

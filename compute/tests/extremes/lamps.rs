@@ -153,7 +153,7 @@ fn a_centimetre_at_a_hundred_metres_is_exact() {
         let found: f64 = rows
             .row(k as usize)
             .iter()
-            .filter(|e| lit.contains(&e.patch))
+            .filter(|e| lit.contains(&e.source))
             .map(|e| f64::from(e.units) / one)
             .sum();
         let error = (found - exact).abs();

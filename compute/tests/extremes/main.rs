@@ -18,10 +18,11 @@ use std::sync::Arc;
 use common::methods::ROUNDING;
 use compute::cpu::CpuRows;
 use compute::hemicubes::Hemicubes;
+use compute::receivers::ReceiverId;
 use compute::row_cache::RowCache;
 use compute::rows::{RowBatch, RowSource, UNITS_PER_ONE, Unseen};
 use compute::settings::{FormFactorSettings, Points};
-use scene::{PatchId, Scene};
+use scene::Scene;
 use visibility::Frame;
 
 /// One hemicube a patch.
@@ -47,7 +48,9 @@ fn all_rows(scene: &Scene, resolution: u32) -> RowBatch {
 
 /// A patch's one hemicube.
 fn frame(scene: &Scene, patch: u32) -> Frame {
-    Hemicubes::new(scene, settings(2)).frames(PatchId(patch))[0]
+    Hemicubes::new(scene, settings(2))
+        .receivers()
+        .frames(ReceiverId(patch))[0]
 }
 
 /// The sum of a row's form factors, dimensionless.

@@ -75,10 +75,10 @@ fn sizes_by_a_million_give_the_same_radiosities() {
         for k in 0..count {
             let mut dense = vec![0.0; count];
             for entry in rows.row(k) {
-                dense[entry.patch as usize] += f64::from(entry.units) / units_per_one;
+                dense[entry.source as usize] += f64::from(entry.units) / units_per_one;
             }
             for entry in scaled_rows.row(k) {
-                dense[entry.patch as usize] -= f64::from(entry.units) / units_per_one;
+                dense[entry.source as usize] -= f64::from(entry.units) / units_per_one;
             }
             let difference: f64 = dense.iter().map(|d| d.abs()).sum();
             differing += usize::from(difference > 0.0);

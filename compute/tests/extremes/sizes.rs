@@ -142,7 +142,7 @@ fn form_factors_converge_with_the_resolution() {
                 let bound = counting_error(resolution, 3, upright) + along;
                 for j in 0..scene.patch_count() {
                     let row = rows.row(i as usize);
-                    let entry = row.iter().find(|e| e.patch == j);
+                    let entry = row.iter().find(|e| e.source == j);
                     let found = entry.map_or(0.0, |e| f64::from(e.units)) / units_per_one;
                     let own_plane = scene.surface(SurfaceId(i)).normal()
                         == scene.surface(SurfaceId(j)).normal();
@@ -189,15 +189,15 @@ fn rows_among_all_the_patches_that_have_ids_are_complete() {
         let rows = source.draw_rows(patch..patch + 1).unwrap();
         assert_sums_to_one(&rows, 0, &patch.to_string());
         let row = rows.row(0);
-        assert!(row.is_sorted_by(|a, b| a.patch < b.patch), "{patch}");
-        assert!(row.last().unwrap().patch < MAX_PATCHES);
+        assert!(row.is_sorted_by(|a, b| a.source < b.source), "{patch}");
+        assert!(row.last().unwrap().source < MAX_PATCHES);
     }
     let rows = source.draw_rows(0..1).unwrap();
     let finest = scene.mesh().tree(SurfaceId(23)).patches();
     let seen: Vec<_> = rows
         .row(0)
         .iter()
-        .filter(|e| finest.contains(&e.patch))
+        .filter(|e| finest.contains(&e.source))
         .collect();
     // A triangle of a quarter of a wall, opposite or beside: some hundred pixels of 64 x 64.
     assert!(seen.len() > 100, "{}", seen.len());

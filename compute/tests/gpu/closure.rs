@@ -37,7 +37,7 @@ fn upright(model: &Model) -> Model {
 /// The worst row: units that see nothing, and units that see backs.
 fn worst_leaks(rows: &RowBatch) -> [u32; 2] {
     let mut worst = [0; 2];
-    for k in 0..rows.patches().len() {
+    for k in 0..rows.receivers().len() {
         let unseen = rows.unseen(k);
         let seen: f64 = rows.row(k).iter().map(|e| f64::from(e.units)).sum();
         let all = seen + f64::from(unseen.open) + f64::from(unseen.back_face);

@@ -11,7 +11,8 @@ mod twins;
 
 use std::sync::Arc;
 
-use compute::gpu::{AdapterChoice, GpuRows, Raster};
+use compute::backend::AdapterChoice;
+use compute::gpu::{GpuRows, Raster};
 use compute::hemicubes::Hemicubes;
 use compute::rows::BackendError;
 use compute::settings::{FormFactorSettings, Points};

@@ -1,6 +1,7 @@
 //! Small scenes: rooms and boxes, turned in space.
 
 use compute::hemicubes::Hemicubes;
+use compute::receivers::ReceiverId;
 use glam::{DQuat, DVec3, EulerRot};
 use scene::{Material, MaterialId, ObjectId, PatchId, Scene, Surface};
 use visibility::Frame;
@@ -233,5 +234,7 @@ pub fn room_far_from_a_box() -> Model {
 
 /// The hemicube on a patch's centroid.
 pub fn frame(scene: &Scene, patch: PatchId) -> Frame {
-    Hemicubes::new(scene, super::settings(2)).frames(patch)[0]
+    Hemicubes::new(scene, super::settings(2))
+        .receivers()
+        .frames(ReceiverId(patch.0))[0]
 }

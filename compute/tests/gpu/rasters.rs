@@ -3,6 +3,7 @@
 
 use compute::gpu::Raster;
 use compute::hemicubes::Hemicubes;
+use compute::receivers::ReceiverId;
 use compute::rows::RowSource;
 use compute::settings::{FormFactorSettings, Points};
 use scene::{PatchId, Scene};
@@ -33,9 +34,9 @@ fn compare(
     for k in 0..count {
         let patch = PatchId(k * patches / count);
         // Near a corner, where much is seen at grazing angles.
-        let frame = hemicubes.frames(patch)[k as usize % 3];
-        let a = pipeline.item_buffer(patch, &frame).unwrap();
-        let b = compute.item_buffer(patch, &frame).unwrap();
+        let frame = hemicubes.receivers().frames(ReceiverId(patch.0))[k as usize % 3];
+        let a = pipeline.item_buffer(ReceiverId(patch.0), &frame).unwrap();
+        let b = compute.item_buffer(ReceiverId(patch.0), &frame).unwrap();
         counts[0] += a.iter().zip(&b).filter(|(a, b)| a != b).count();
         counts[1] += a.len();
         counts[2] += a

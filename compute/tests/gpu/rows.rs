@@ -2,9 +2,10 @@
 
 use compute::delta_form_factors::DeltaFormFactors;
 use compute::hemicubes::Hemicubes;
+use compute::receivers::ReceiverId;
 use compute::rows::{Entry, RowBatch, RowSource, UNITS_PER_ONE, Unseen};
-use compute::settings::{FormFactorSettings, Maps, Points, Turns};
-use scene::{PatchId, Scene};
+use compute::settings::{FormFactorSettings, Maps, Points};
+use scene::Scene;
 use visibility::item_buffer::{BACK_FACE, NOTHING};
 
 use crate::model::{room, room_with_boxes_at, ruin};
@@ -40,7 +41,7 @@ fn row_on_host(
         .zip(units)
         .filter(|&(_, units)| units != 0)
         .map(|(patch, units)| Entry {
-            patch,
+            source: patch,
             units: units as f32,
         })
         .collect();
@@ -57,12 +58,13 @@ fn assert_rows_are_their_item_buffers_sums(
         return;
     };
     let rows = gpu.draw_rows(patches.clone()).unwrap();
-    assert_eq!(rows.patches(), patches);
+    assert_eq!(rows.receivers(), patches);
     for (k, patch) in patches.enumerate() {
         let item_buffers: Vec<_> = Hemicubes::new(scene, settings)
-            .frames(PatchId(patch))
+            .receivers()
+            .frames(ReceiverId(patch))
             .iter()
-            .map(|frame| gpu.item_buffer(PatchId(patch), frame).unwrap())
+            .map(|frame| gpu.item_buffer(ReceiverId(patch), frame).unwrap())
             .collect();
         let (entries, unseen) = row_on_host(scene, settings, &item_buffers);
         let different = rows.row(k).iter().zip(&entries).find(|(a, b)| a != b);
@@ -83,10 +85,9 @@ fn rows_are_the_sums_of_their_item_buffers_to_the_bit() {
         (64, Points::Auto, Maps::Exact),
     ] {
         let settings = FormFactorSettings {
-            resolution,
             points,
             maps,
-            turns: Turns::DEFAULT,
+            ..FormFactorSettings::new(resolution)
         };
         let first = scene.patch_count() / 2;
         assert_rows_are_their_item_buffers_sums(&scene, settings, first..first + 6);
@@ -128,14 +129,14 @@ fn closed_room_sees_itself_completely() {
                 return;
             };
             let rows = gpu.draw_rows(0..scene.patch_count()).unwrap();
-            for k in 0..rows.patches().len() {
+            for k in 0..rows.receivers().len() {
                 assert_eq!(rows.unseen(k), Unseen::default(), "{points}, patch {k}");
                 let sum: f64 = rows.row(k).iter().map(|e| f64::from(e.units)).sum();
                 // Each entry is rounded to half of 2^-24 of itself.
                 let error = sum / f64::from(UNITS_PER_ONE) - 1.0;
                 assert!(error.abs() < 6e-8, "{points}, patch {k}: {error}");
                 assert!(
-                    rows.row(k).is_sorted_by(|a, b| a.patch < b.patch),
+                    rows.row(k).is_sorted_by(|a, b| a.source < b.source),
                     "{points}, patch {k}"
                 );
             }

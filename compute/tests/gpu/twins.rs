@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use compute::cpu::CpuRows;
 use compute::hemicubes::Hemicubes;
+use compute::receivers::ReceiverId;
 use compute::rows::{RowBatch, RowSource, UNITS_PER_ONE};
 use scene::{PatchId, Scene};
 use visibility::Drawable;
@@ -94,7 +95,7 @@ fn compare(on_cpu: &Scene, on_gpu: &Scene, resolution: u32, count: u32) -> Optio
     for patch in sample(on_cpu, count) {
         let frame = frame(on_cpu, patch);
         let expected = cpu.item_buffer(on_cpu.mesh().surface_of(patch), &frame);
-        let ids = gpu.item_buffer(patch, &frame).unwrap();
+        let ids = gpu.item_buffer(ReceiverId(patch.0), &frame).unwrap();
         comparison.add(&expected, &ids, resolution);
     }
     Some(comparison)
@@ -155,7 +156,9 @@ fn backs_and_openings_are_seen_where_the_cpu_sees_them() {
     };
     let mut counts = [0; 2];
     for patch in sample(&scene, 24) {
-        let ids = gpu.item_buffer(patch, &frame(&scene, patch)).unwrap();
+        let ids = gpu
+            .item_buffer(ReceiverId(patch.0), &frame(&scene, patch))
+            .unwrap();
         for (count, code) in counts.iter_mut().zip([NOTHING, BACK_FACE]) {
             *count += ids.iter().filter(|&&id| id == code).count();
         }
@@ -180,7 +183,7 @@ fn twins_form_factors_agree() {
     let dense = |rows: &RowBatch, k: usize| {
         let mut units = vec![0.0; scene.patch_count() as usize];
         for entry in rows.row(k) {
-            units[entry.patch as usize] = f64::from(entry.units);
+            units[entry.source as usize] = f64::from(entry.units);
         }
         units
     };

@@ -83,7 +83,7 @@ fn what_is_seen_does_not_change() {
         let mut of_all = Projection::new(&geometry);
         let mut left_out = 0;
         for (own, frame) in frames(&scene) {
-            let at = Standpoint::new(&geometry, &Eye::on_surface(&frame, own));
+            let at = Standpoint::new(&geometry, &Eye::with_horizon(&frame, own));
             projection.set(&at);
             left_out += count - projection.horizon.regions().len() as u32;
             of_all.set_some(&at, 0..count);
@@ -102,7 +102,7 @@ fn surfaces_behind_every_horizon_cost_nothing() {
     let mut projection = Projection::new(&geometry);
     let mut hemicubes_that_try = vec![0; geometry.facts.len()];
     for (own, frame) in frames(&scene) {
-        let at = Standpoint::new(&geometry, &Eye::on_surface(&frame, own));
+        let at = Standpoint::new(&geometry, &Eye::with_horizon(&frame, own));
         projection.set(&at);
         let own = geometry.regions.region_of(own);
         for &region in projection.horizon.regions().iter().filter(|r| **r != own) {

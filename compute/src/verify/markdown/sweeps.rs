@@ -1,11 +1,11 @@
 //! How errors fall with resolution and points, and what each means of accuracy does.
 
 use super::{heading, line, row};
-use crate::settings::{BackendChoice, FormFactorSettings, LampViews, Points, Turns};
+use crate::settings::{BackendChoice, FormFactorSettings, LampViews, Points, Seed};
+use crate::verify::VerifyError;
 use crate::verify::case::{Case, Measure};
 use crate::verify::measure::{Measured, Solved, measure};
 use crate::verify::print::error;
-use crate::verify::{Accuracy, VerifyError};
 
 /// Resolutions of the tables of errors, pixels.
 const RESOLUTIONS: [u32; 5] = [32, 64, 128, 256, 512];
@@ -43,7 +43,7 @@ fn resolutions(case: &Case) -> &'static [u32] {
 pub(super) fn errors(
     text: &mut String,
     cases: &[Case],
-    accuracy: Accuracy,
+    settings: FormFactorSettings,
     choice: BackendChoice,
 ) -> Result<(), VerifyError> {
     heading(text, "Error against resolution and points");
@@ -64,16 +64,12 @@ pub(super) fn errors(
             let mut cells = vec![resolution.to_string()];
             let mut found = Vec::new();
             for (points, mark) in POINTS {
-                let form_factors = FormFactorSettings {
+                let settings = FormFactorSettings {
                     resolution,
                     points,
-                    ..accuracy.form_factors
+                    ..settings
                 };
-                let accuracy = Accuracy {
-                    form_factors,
-                    ..accuracy
-                };
-                let (measured, _) = measure(case, accuracy, choice, &mut solved)?;
+                let (measured, _) = measure(case, settings, choice, &mut solved)?;
                 cells.push(error(measured.expected, measured.error()));
                 found.push((measured, mark));
             }
@@ -111,7 +107,7 @@ fn plotted(found: &[(Measured, char)]) -> String {
 pub(super) fn means(
     text: &mut String,
     cases: &[Case],
-    accuracy: Accuracy,
+    settings: FormFactorSettings,
     choice: BackendChoice,
 ) -> Result<(), VerifyError> {
     let rooms: Vec<&Case> = cases
@@ -135,30 +131,27 @@ pub(super) fn means(
         text,
         &format!("|---|---|---|{}", "--:|".repeat(rooms.len())),
     );
-    for (points, turns, lamps) in [
-        (Points::CENTROID, Turns::Aligned, LampViews::Off),
-        (Points::CENTROID, Turns::DEFAULT, LampViews::Off),
-        (Points::CENTROID, Turns::DEFAULT, LampViews::Auto),
-        (Points::Auto, Turns::Aligned, LampViews::Off),
-        (Points::Auto, Turns::DEFAULT, LampViews::Off),
-        (Points::Auto, Turns::DEFAULT, LampViews::Auto),
+    for (points, seed, lamps) in [
+        (Points::CENTROID, Seed::Aligned, LampViews::Off),
+        (Points::CENTROID, Seed::DEFAULT, LampViews::Off),
+        (Points::CENTROID, Seed::DEFAULT, LampViews::Auto),
+        (Points::Auto, Seed::Aligned, LampViews::Off),
+        (Points::Auto, Seed::DEFAULT, LampViews::Off),
+        (Points::Auto, Seed::DEFAULT, LampViews::Auto),
     ] {
-        let form_factors = FormFactorSettings {
+        let settings = FormFactorSettings {
             points,
-            turns,
-            ..accuracy.form_factors
+            seed,
+            lamps,
+            ..settings
         };
         let mut cells = vec![
             points.to_string(),
-            turns.to_string(),
+            seed.to_string(),
             format!("{lamps:?}").to_lowercase(),
         ];
         for case in &rooms {
-            let accuracy = Accuracy {
-                form_factors,
-                lamps,
-            };
-            let (measured, _) = measure(case, accuracy, choice, &mut solved)?;
+            let (measured, _) = measure(case, settings, choice, &mut solved)?;
             cells.push(error(measured.expected, measured.error()));
         }
         row(text, &cells.iter().map(String::as_str).collect::<Vec<_>>());

@@ -1,13 +1,13 @@
 //! What a run goes on from.
 
-use scene::{Provenance, RecordedSettings, Scene, Solution, State};
+use scene::{Provenance, RecordedSettings, Solution, State};
 
-use super::Run;
+use super::{Remark, Run};
 
-impl Run<'_> {
-    /// The state to go on from: the file's own where it was made with the same settings, else its
-    /// irradiances alone.
-    pub(super) fn start_from(&self, scene: &Scene, solution: Option<Solution>) -> Solution {
+impl Run<'_, '_> {
+    /// The state to go on from: the given one where it was made with the same settings, else its irradiances alone.
+    pub(super) fn start_from(&mut self, solution: Option<Solution>) -> Solution {
+        let scene = self.scene;
         let now = self.settings.solution.recorded(scene.patch_count());
         let mut start = solution.unwrap_or_else(|| Solution {
             provenance: Provenance {
@@ -17,8 +17,7 @@ impl Run<'_> {
             ..Solution::dark(scene)
         });
         if let Some(otherwise) = otherwise(start.provenance.settings.as_ref(), &now) {
-            let file = self.settings.input.display();
-            eprintln!("compute: {file} {otherwise}; its radiosities are the start");
+            self.observer.remark(&Remark::Start(otherwise));
             start = Solution {
                 irradiance: start.irradiance,
                 provenance: Provenance {
@@ -35,7 +34,7 @@ impl Run<'_> {
     }
 }
 
-/// In which way a file was solved that is not that of this run; `None` where it is the same.
+/// In which way a solution was made that is not that of this run; `None` where it is the same.
 fn otherwise(before: Option<&RecordedSettings>, now: &RecordedSettings) -> Option<String> {
     let Some(before) = before else {
         return Some("is of an older version, which does not say how it was solved".to_owned());

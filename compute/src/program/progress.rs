@@ -5,30 +5,16 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use scene::Solution;
+
 use crate::quantity::show_duration;
+use crate::solve::Position;
 
 /// Between two lines where there is no terminal.
 const LINE_EVERY: Duration = Duration::from_secs(10);
 
 /// Steps of the bar from start to end of an iteration.
 const BAR_STEPS: u64 = 1000;
-
-/// Where a solver is.
-#[derive(Clone, Copy, Debug)]
-pub struct Position {
-    /// Iterations done.
-    pub iterations: u64,
-    /// Whether all patches gather once, after the iterations.
-    pub is_gathering: bool,
-    /// Share of the iteration under way, 0 to 1.
-    pub share_done: f64,
-    /// The relative residual, dimensionless.
-    pub residual: Option<f64>,
-    /// Hemicubes drawn in this run.
-    pub hemicubes: u64,
-    /// Time spent drawing them.
-    pub drawing: Duration,
-}
 
 /// The display of a run's progress.
 pub struct Progress {
@@ -44,8 +30,11 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Starts the display of a run that goes on from so many iterations.
-    pub fn new(tolerance: f64, iterations: u64, residual: Option<f64>) -> Self {
+    /// Starts the display of a run that goes on from a solution, if there is one.
+    pub fn new(tolerance: f64, before: Option<&Solution>) -> Self {
+        let provenance = before.map(|before| &before.provenance);
+        let iterations = provenance.map_or(0, |p| p.iterations);
+        let residual = provenance.and_then(|p| p.residuals.last().copied());
         let bar = std::io::stderr().is_terminal().then(|| {
             let style = ProgressStyle::with_template("{bar:30.cyan/dim} {msg}");
             ProgressBar::new(BAR_STEPS)
@@ -64,7 +53,7 @@ impl Progress {
     }
 
     /// Shows where the run is.
-    pub fn show(&mut self, position: Position) {
+    pub fn show(&mut self, position: &Position) {
         if position.iterations != self.seen.0 {
             self.last_iteration = Some(self.iteration_start.elapsed());
             self.iteration_start = Instant::now();
@@ -79,7 +68,7 @@ impl Progress {
         }
     }
 
-    fn message(&self, position: Position) -> String {
+    fn message(&self, position: &Position) -> String {
         let mut parts = vec![if position.is_gathering {
             "patches gather from their sources".to_owned()
         } else {
@@ -106,7 +95,7 @@ impl Progress {
     }
 
     /// The rest of this iteration, and as many like the last as the residual's fall suggests.
-    fn time_left(&self, position: Position) -> Option<Duration> {
+    fn time_left(&self, position: &Position) -> Option<Duration> {
         let elapsed = self.iteration_start.elapsed().as_secs_f64();
         let whole = match self.last_iteration {
             Some(last) => last.as_secs_f64().max(elapsed),

@@ -14,7 +14,7 @@ use std::f64::consts::FRAC_PI_2;
 use glam::{DVec3, Vec3};
 use scene::Surface;
 
-use crate::settings::Turns;
+use crate::settings::Seed;
 
 /// Rounding steps of a surface's place, in its sizes: neighbours of one size are a third of it apart or more.
 const STEPS: f64 = 8.0;
@@ -24,8 +24,8 @@ const FIRST_STEP: f64 = 0.381_966_011_250_105_2;
 
 /// Turn of the hemicube on a surface at these barycentric coordinates, radians: within the quarter turn after which a
 /// hemicube repeats.
-pub(super) fn turn(surface: &Surface, barycentric: DVec3, turns: Turns) -> f64 {
-    let Turns::Seeded(seed) = turns else {
+pub(super) fn turn(surface: &Surface, barycentric: DVec3, seed: Seed) -> f64 {
+    let Seed::Number(seed) = seed else {
         return 0.0;
     };
     let corners = surface.corners.map(Vec3::as_dvec3);
@@ -34,10 +34,22 @@ pub(super) fn turn(surface: &Surface, barycentric: DVec3, turns: Turns) -> f64 {
     let step = (STEPS * centroid / size + FIRST_STEP).floor();
     let place = step.to_array().map(|step| step as i64 as u64);
     let within = barycentric.to_array().map(f64::to_bits);
-    let hash = place
-        .into_iter()
-        .chain(within)
-        .fold(u64::from(seed), |hash, bits| mixed(hash ^ bits));
+    hashed(seed, place.into_iter().chain(within))
+}
+
+/// Turn of the hemicube at a point that is given by its coordinates, metres.
+pub(super) fn turn_at(position: DVec3, seed: Seed) -> f64 {
+    let Seed::Number(seed) = seed else {
+        return 0.0;
+    };
+    // Adding 0 turns -0 into 0.
+    let bits = (position + DVec3::ZERO).to_array().map(f64::to_bits);
+    hashed(seed, bits.into_iter())
+}
+
+/// An angle that depends on all bits.
+fn hashed(seed: u32, words: impl Iterator<Item = u64>) -> f64 {
+    let hash = words.fold(u64::from(seed), |hash, bits| mixed(hash ^ bits));
     // As many bits as an f64 holds.
     (hash >> 11) as f64 / (1_u64 << 53) as f64 * FRAC_PI_2
 }
@@ -85,7 +97,7 @@ mod tests {
     }
 
     fn centred(surface: &Surface, barycentric: DVec3, seed: u32) -> f64 {
-        turn(surface, barycentric, Turns::Seeded(seed)) / FRAC_PI_2 - 0.5
+        turn(surface, barycentric, Seed::Number(seed)) / FRAC_PI_2 - 0.5
     }
 
     #[test]
@@ -119,13 +131,13 @@ mod tests {
         let at = DVec3::new(0.5, 0.3, 0.2);
         for k in 0..SIDE {
             let surface = triangle(k, 3 * k % SIDE, k % 2);
-            let expected = turn(&surface, at, Turns::DEFAULT).to_bits();
+            let expected = turn(&surface, at, Seed::DEFAULT).to_bits();
             for factor in [1.0 / 0.0254, 1.0 / 1024.0] {
                 let scaled = Surface {
                     corners: surface.corners.map(|p| factor * p),
                     ..surface
                 };
-                assert_eq!(turn(&scaled, at, Turns::DEFAULT).to_bits(), expected);
+                assert_eq!(turn(&scaled, at, Seed::DEFAULT).to_bits(), expected);
             }
         }
     }

@@ -1,4 +1,4 @@
-//! The command line of `compute`, turned into [`Settings`].
+//! The command line of `compute`, turned into a [`Task`].
 
 mod verify;
 
@@ -11,10 +11,11 @@ use clap::{Args, CommandFactory, Parser, Subcommand};
 use scene::file::is_same_file;
 use visibility::hemicube::MAX_RESOLUTION;
 
+use super::{Settings, Task};
 use crate::quantity::{parse_duration, parse_size};
 use crate::settings::{
-    BackendChoice, ClosedForms, FormFactorSettings, LampViews, Maps, Points, Settings,
-    SolutionSettings, SolverChoice, SourceArea, Turns,
+    BackendChoice, ClosedForms, Drawing, FormFactorSettings, LampViews, Maps, Points, Seed,
+    SolutionSettings, SolveSettings, SolverChoice, SourceArea,
 };
 
 /// Solves a scene by hemicube radiosity.
@@ -37,15 +38,6 @@ struct CommandLine {
 #[derive(Debug, Subcommand)]
 enum Command {
     Verify(verify::VerifyArguments),
-}
-
-/// What the program is asked to do.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Task {
-    /// To solve a scene.
-    Solve(Box<Settings>),
-    /// To show how far it is from answers that are known.
-    Verify(crate::verify::Settings),
 }
 
 /// To solve a scene.
@@ -81,7 +73,7 @@ struct Arguments {
     /// Hemicubes are turned about their normals, each by its own angle: a number picks the angles, "aligned"
     /// turns none
     #[arg(long, default_value = "0", value_name = "SEED")]
-    seed: Turns,
+    seed: Seed,
     /// Exact views of lamps beside the hemicube: of those that matter, none, or all
     #[arg(long, default_value = "auto", value_parser = choice(&[
         ("auto", LampViews::Auto), ("off", LampViews::Off), ("all", LampViews::All)]))]
@@ -180,25 +172,30 @@ fn settings(arguments: Arguments) -> Settings {
     Settings {
         input: arguments.input,
         output: arguments.output,
-        solution: SolutionSettings {
-            form_factors: FormFactorSettings {
-                resolution: arguments.resolution,
-                maps: arguments.maps,
-                points: arguments.points,
-                turns: arguments.seed,
+        solve: SolveSettings {
+            solution: SolutionSettings {
+                form_factors: FormFactorSettings {
+                    resolution: arguments.resolution,
+                    maps: arguments.maps,
+                    points: arguments.points,
+                    seed: arguments.seed,
+                    lamps: arguments.lamps,
+                    closed_forms: arguments.closed_forms,
+                },
+                source_area: arguments.source_area,
+                solver: arguments.solver,
             },
-            lamps: arguments.lamps,
-            closed_forms: arguments.closed_forms,
-            source_area: arguments.source_area,
-            solver: arguments.solver,
+            drawing: Drawing {
+                backend: arguments.backend,
+                memory_bytes: arguments.memory,
+            },
+            max_iterations: arguments.iterations,
+            tolerance: arguments.tolerance,
+            time_limit: arguments.time_limit,
+            checkpoint_every: arguments.checkpoint_every,
+            all_rows: arguments.strict,
         },
-        backend: arguments.backend,
-        max_iterations: arguments.iterations,
-        tolerance: arguments.tolerance,
-        time_limit: arguments.time_limit,
-        checkpoint_every: arguments.checkpoint_every,
         threads: arguments.threads.map(usize::from),
-        memory_bytes: arguments.memory,
         report: arguments.report,
         form_factors_csv: arguments.form_factors,
         view_factors_csv: arguments.view_factors,

@@ -3,8 +3,8 @@
 use clap::Args;
 
 use super::{choice, parse_resolution};
-use crate::settings::{FormFactorSettings, LampViews, Maps, Points, Turns};
-use crate::verify::{Accuracy, Backends, Format, Settings, VerifyError, select};
+use crate::settings::{ClosedForms, FormFactorSettings, LampViews, Maps, Points, Seed};
+use crate::verify::{Backends, Format, Settings, VerifyError, select};
 
 /// Show how far this program is from answers that are known, case by case
 ///
@@ -22,7 +22,7 @@ pub(super) struct VerifyArguments {
     points: Points,
     /// How hemicubes are turned, as in a run
     #[arg(long, default_value = "0", value_name = "SEED")]
-    seed: Turns,
+    seed: Seed,
     /// Exact views of lamps beside the hemicube, as in a run
     #[arg(long, default_value = "auto", value_parser = choice(&[
         ("auto", LampViews::Auto), ("off", LampViews::Off), ("all", LampViews::All)]))]
@@ -31,11 +31,10 @@ pub(super) struct VerifyArguments {
     #[arg(long, default_value = "exact", value_parser = choice(&[
         ("exact", Maps::Exact), ("thesis", Maps::Thesis)]))]
     maps: Maps,
-    /// Who draws: cpu, gpu, or all; a software GPU counts only where gpu or all asks for it. If not
-    /// given: cpu, and the GPU where there is a real one
-    #[arg(long, value_parser = choice(&[
-        ("cpu", Backends::Cpu), ("gpu", Backends::Gpu), ("all", Backends::All)]))]
-    backend: Option<Backends>,
+    /// Who draws: auto (as in a run by default), cpu, gpu (software ones too), or all of these
+    #[arg(long, default_value = "auto", value_parser = choice(&[
+        ("auto", Backends::Auto), ("cpu", Backends::Cpu), ("gpu", Backends::Gpu), ("all", Backends::All)]))]
+    backend: Backends,
     /// Only the case of this name, or those with this in their names
     #[arg(long, value_name = "NAME")]
     case: Option<String>,
@@ -53,16 +52,15 @@ impl VerifyArguments {
     pub fn settings(self) -> Result<Settings, VerifyError> {
         select(self.case.as_deref())?;
         Ok(Settings {
-            accuracy: Accuracy {
-                form_factors: FormFactorSettings {
-                    resolution: self.resolution,
-                    maps: self.maps,
-                    points: self.points,
-                    turns: self.seed,
-                },
+            form_factors: FormFactorSettings {
+                resolution: self.resolution,
+                maps: self.maps,
+                points: self.points,
+                seed: self.seed,
                 lamps: self.lamps,
+                closed_forms: ClosedForms::Auto,
             },
-            backends: self.backend.unwrap_or(Backends::Available),
+            backends: self.backend,
             case: self.case,
             format: match (self.json, self.markdown) {
                 (true, _) => Format::Json,

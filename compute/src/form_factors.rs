@@ -1,0 +1,182 @@
+//! The one place where form factors are put together.
+//!
+//! Runs, `verify`, the demo, benchmarks and tests all get their rows from here, so that what is verified is what users
+//! get. It decides, from the scene and the settings alone:
+//!
+//! | what | how |
+//! |---|---|
+//! | levels | sources are patches, or coarser where the scene is large ([`crate::two_levels`]) |
+//! | closed forms | rows are formulas where nothing hides anything and that costs less ([`crate::convex`]) |
+//! | back end | who draws hemicubes else ([`crate::backend`]) |
+//! | lamps | which emitters have views of their own ([`crate::lamps`]) |
+//! | unlit patches | whose rows nobody needs ([`crate::unlit`]) |
+//! | cache | which rows are kept ([`crate::row_cache`]) |
+
+use std::sync::Arc;
+
+use scene::{Scene, Solution};
+
+use crate::backend::{self, Backend};
+use crate::cancel::CancelToken;
+use crate::convex::ConvexRows;
+use crate::hemicubes::Hemicubes;
+use crate::lamps::with_lamps;
+use crate::receivers::Receivers;
+use crate::row_cache::RowCache;
+use crate::rows::{BackendError, RowSource};
+use crate::settings::{BackendChoice, ClosedForms, Drawing, FormFactorSettings, SourceArea};
+use crate::sources::Sources;
+use crate::two_levels;
+use crate::unlit;
+
+/// The form factors of a scene, drawn as they are asked for.
+#[derive(Clone, Debug)]
+pub struct FormFactors<'a> {
+    scene: &'a Scene,
+    settings: FormFactorSettings,
+    drawing: Drawing,
+    cancel: CancelToken,
+}
+
+/// Among what a scene is solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Levels {
+    /// Its patches.
+    Patches,
+    /// Sources of at most this area, m^2, from which the patches then gather.
+    Sources(f64),
+    /// Finer and finer sources, until the error that they bring is small.
+    Automatic,
+}
+
+/// Whose rows are needed.
+#[derive(Clone, Copy, Debug)]
+pub enum Needed<'s> {
+    /// All.
+    All,
+    /// Those of patches that light can reach, in a solution that goes on from this one.
+    Lit(&'s Solution),
+}
+
+impl<'a> FormFactors<'a> {
+    /// The form factors of a scene. Nothing is drawn yet.
+    pub fn new(scene: &'a Scene, settings: FormFactorSettings, drawing: Drawing) -> Self {
+        Self {
+            scene,
+            settings,
+            drawing,
+            cancel: CancelToken::new(),
+        }
+    }
+
+    /// The same of another scene.
+    #[must_use]
+    pub fn of_scene<'s>(&self, scene: &'s Scene) -> FormFactors<'s> {
+        FormFactors {
+            scene,
+            settings: self.settings,
+            drawing: self.drawing,
+            cancel: self.cancel.clone(),
+        }
+    }
+
+    /// The same, whose drawing of many rows ends early where the token says so.
+    #[must_use]
+    pub fn with_cancel(self, cancel: &CancelToken) -> Self {
+        Self {
+            cancel: cancel.clone(),
+            ..self
+        }
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &'a Scene {
+        self.scene
+    }
+
+    /// Among what the scene is solved, where sources are to be so coarse.
+    pub fn levels(&self, source_area: SourceArea) -> Levels {
+        match source_area {
+            SourceArea::AtMost(area) => {
+                // No source is larger than all, and a file holds no infinity.
+                let area = area.min(self.scene.area());
+                let count = two_levels::sources(self.scene, area).patch_count();
+                if count < self.scene.patch_count() {
+                    Levels::Sources(area)
+                } else {
+                    Levels::Patches
+                }
+            }
+            SourceArea::Auto if self.scene.patch_count() > two_levels::MOST_ON_ONE_LEVEL => {
+                Levels::Automatic
+            }
+            SourceArea::Auto | SourceArea::Patches => Levels::Patches,
+        }
+    }
+
+    /// The rows of the scene's patches to its patches.
+    ///
+    /// # Errors
+    /// A back end that does not open.
+    pub fn rows(&self, needed: Needed) -> Result<RowCache<'a>, BackendError> {
+        self.rows_to(Sources::patches_of(self.scene), needed)
+    }
+
+    /// The rows of the patches over which the sources are. Rows to coarser sources are gathered with once and are not
+    /// worth keeping.
+    ///
+    /// # Errors
+    /// As [`Self::rows`].
+    pub fn rows_to(
+        &self,
+        sources: Sources<'a>,
+        needed: Needed,
+    ) -> Result<RowCache<'a>, BackendError> {
+        let memory_bytes = if sources.are_patches() {
+            self.drawing.memory_bytes
+        } else {
+            0
+        };
+        let hemicubes = Arc::new(Hemicubes::of_patches(sources, self.settings));
+        let unlit = match needed {
+            Needed::All => None,
+            Needed::Lit(start) => unlit::unlit(&hemicubes, start),
+        };
+        let Backend { source, remark } = self.open(&hemicubes)?;
+        let mut rows = RowCache::new(&hemicubes, source, memory_bytes)
+            .with_cancel(&self.cancel)
+            .with_remark(remark);
+        if let Some(unlit) = unlit {
+            rows.leave_out(unlit);
+        }
+        Ok(rows)
+    }
+
+    /// The rows of any receivers to some sources.
+    ///
+    /// # Errors
+    /// As [`Self::rows`].
+    pub fn at(
+        &self,
+        receivers: Box<dyn Receivers + 'a>,
+        sources: Sources<'a>,
+    ) -> Result<Backend<'a>, BackendError> {
+        self.open(&Arc::new(Hemicubes::at(receivers, sources, self.settings)))
+    }
+
+    /// Who makes the rows of hemicubes.
+    fn open(&self, hemicubes: &Arc<Hemicubes<'a>>) -> Result<Backend<'a>, BackendError> {
+        if self.settings.closed_forms == ClosedForms::Auto
+            && self.drawing.backend == BackendChoice::Auto
+            && let Some(rows) = ConvexRows::new(hemicubes)
+        {
+            return Ok(Backend {
+                source: Box::new(rows),
+                remark: None,
+            });
+        }
+        let Backend { source, remark } = backend::open(hemicubes, self.drawing.backend)?;
+        let source: Box<dyn RowSource + 'a> = with_lamps(hemicubes, self.settings.lamps, source);
+        Ok(Backend { source, remark })
+    }
+}

@@ -1,0 +1,82 @@
+//! The program `compute`: what its commands do with files.
+
+pub mod cli;
+mod interrupt;
+mod progress;
+mod run;
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use crate::cancel::CancelToken;
+use crate::report::{Report, StoppedBy};
+use crate::settings::SolveSettings;
+use crate::verify;
+
+/// What the program is asked to do.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Task {
+    /// To solve a scene.
+    Solve(Box<Settings>),
+    /// To show how far it is from answers that are known.
+    Verify(verify::Settings),
+}
+
+/// How a scene is solved, and the files of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// The scene, with or without a solution to go on from.
+    pub input: PathBuf,
+    /// Where the solution goes; may be `input`.
+    pub output: PathBuf,
+    /// How it is solved.
+    pub solve: SolveSettings,
+    /// Threads of the CPU; `None`: one for each core.
+    pub threads: Option<usize>,
+    /// Where the report goes.
+    pub report: Option<PathBuf>,
+    /// Where the form factors go.
+    pub form_factors_csv: Option<PathBuf>,
+    /// Where the view factors between objects go.
+    pub view_factors_csv: Option<PathBuf>,
+    /// Whether a certificate beyond its tolerances is a failure.
+    pub strict: bool,
+}
+
+/// Does what was asked for.
+///
+/// # Errors
+/// Files that cannot be read or written, and work that cannot go on.
+pub fn run(task: &Task) -> anyhow::Result<ExitCode> {
+    Ok(match task {
+        Task::Verify(settings) => code(verify::run(settings)?),
+        Task::Solve(settings) => {
+            let cancel = CancelToken::new();
+            interrupt::listen(&cancel);
+            end(&run::solve(settings, &cancel)?)
+        }
+    })
+}
+
+/// Prints what a run has come to, whose result is written.
+fn end(report: &Report) -> ExitCode {
+    // A reader that has gone away is no failure.
+    writeln!(std::io::stdout(), "{}", report.summary()).ok();
+    if report.stopped_by == StoppedBy::Interrupt {
+        return ExitCode::from(interrupt::EXIT_CODE);
+    }
+    let failure = report.strict_failure();
+    if let Some(failure) = &failure {
+        eprintln!("compute: error: {failure}");
+    }
+    code(failure.is_none())
+}
+
+fn code(is_success: bool) -> ExitCode {
+    if is_success {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    }
+}

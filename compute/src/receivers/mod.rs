@@ -1,0 +1,46 @@
+//! Receivers: where hemicubes stand.
+//!
+//! A receiver is one point with a normal, or several whose rows are averaged: a rule of equal weights. Its row is what
+//! its points see of the [sources](crate::sources), in the mean. The receivers of a solver are the scene's
+//! [patches](Patches); those of a measurement are [`Sensors`]. Nothing that draws rows asks which of them it has.
+
+mod patches;
+mod point_count;
+mod rule;
+mod sensors;
+mod turn;
+
+use std::fmt::Debug;
+
+use scene::SurfaceId;
+use visibility::Frame;
+
+pub use patches::Patches;
+pub use sensors::{Sensor, Sensors};
+
+/// Index of a receiver.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ReceiverId(pub u32);
+
+/// Points with normals, in groups under rules of equal weights.
+///
+/// Points are numbered through all receivers, one receiver's after the other's.
+pub trait Receivers: Debug + Send + Sync {
+    /// How many receivers there are.
+    fn count(&self) -> u32;
+
+    /// How many points a receiver has.
+    fn point_count(&self, receiver: ReceiverId) -> u32;
+
+    /// Number of a receiver's first point; for the receiver after the last one, the number of all.
+    fn first_point(&self, receiver: ReceiverId) -> u64;
+
+    /// The numbers of points that receivers have, each once, ascending.
+    fn point_counts(&self) -> Vec<u32>;
+
+    /// Where the hemicubes of a receiver stand; its form factors are the mean over them.
+    fn frames(&self, receiver: ReceiverId) -> Vec<Frame>;
+
+    /// The surface that a receiver lies on, if any: nothing in that surface's plane is seen.
+    fn surface(&self, receiver: ReceiverId) -> Option<SurfaceId>;
+}

@@ -1,0 +1,108 @@
+//! The patches of a scene as receivers.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use scene::{PatchId, Scene, SurfaceId};
+use visibility::{Drawable, Frame};
+
+use super::point_count;
+use super::rule::Rule;
+use super::turn::turn;
+use super::{ReceiverId, Receivers};
+use crate::settings::{Points, Seed};
+
+/// The patches of a scene; receiver i is patch i.
+#[derive(Debug)]
+pub struct Patches<'a> {
+    scene: &'a Scene,
+    /// Of the same surfaces.
+    drawable: Arc<Drawable<'a>>,
+    points: Points,
+    seed: Seed,
+    /// Where patches have different rules: the number of each patch's first point, then that of all.
+    firsts: Option<Vec<u32>>,
+}
+
+impl<'a> Patches<'a> {
+    /// The patches of a scene; for [`Points::Auto`] each patch's surroundings are looked at, on the threads of the
+    /// rayon pool it is called in. What is drawn may have coarser patches over the same surfaces.
+    ///
+    /// # Panics
+    /// Where the surfaces are not as many.
+    pub fn new(scene: &'a Scene, drawable: &Arc<Drawable<'a>>, points: Points, seed: Seed) -> Self {
+        assert_eq!(scene.surfaces().len(), drawable.scene().surfaces().len());
+        Self {
+            scene,
+            drawable: Arc::clone(drawable),
+            points,
+            seed,
+            firsts: (points == Points::Auto).then(|| point_count::firsts(scene, drawable)),
+        }
+    }
+
+    fn rule(&self, patch: u32) -> Rule {
+        match self.points {
+            Points::Bisected { bisections } => Rule::Centroids { bisections },
+            Points::ThreePoint { bisections } => Rule::ThreePoint { bisections },
+            Points::Vertices => Rule::Corners,
+            Points::Auto => self
+                .firsts
+                .as_ref()
+                .and_then(|firsts| firsts.get(patch as usize..=patch as usize + 1))
+                .map_or(point_count::FEWEST, |pair| {
+                    point_count::rule(pair[1] - pair[0])
+                }),
+        }
+    }
+}
+
+impl Receivers for Patches<'_> {
+    fn count(&self) -> u32 {
+        self.scene.patch_count()
+    }
+
+    fn point_count(&self, receiver: ReceiverId) -> u32 {
+        self.rule(receiver.0).count()
+    }
+
+    fn first_point(&self, receiver: ReceiverId) -> u64 {
+        match &self.firsts {
+            Some(firsts) => firsts[receiver.0 as usize].into(),
+            None => u64::from(receiver.0) * u64::from(self.rule(receiver.0).count()),
+        }
+    }
+
+    fn point_counts(&self) -> Vec<u32> {
+        let mut counts: Vec<u32> = match &self.firsts {
+            Some(firsts) => firsts.windows(2).map(|pair| pair[1] - pair[0]).collect(),
+            None => vec![self.rule(0).count()],
+        };
+        counts.sort_unstable();
+        counts.dedup();
+        counts
+    }
+
+    /// Their normal is that of the wall that the patch's surface is drawn with: a sliver's own one is not known as well.
+    fn frames(&self, receiver: ReceiverId) -> Vec<Frame> {
+        let patch = PatchId(receiver.0);
+        let geometry = self.scene.patch(patch);
+        let normal = self.drawable.normal_of(geometry.surface);
+        let surface = self.scene.surface(geometry.surface);
+        let rule = self.rule(receiver.0);
+        let points = rule.points(geometry.corners.map(Vec3::as_dvec3));
+        let on_surface = rule.points(self.scene.patch_in_surface(patch));
+        points
+            .into_iter()
+            .zip(on_surface)
+            .map(|(point, barycentric)| {
+                let turn = turn(surface, barycentric, self.seed);
+                Frame::on_patch(&geometry, normal, point, turn)
+            })
+            .collect()
+    }
+
+    fn surface(&self, receiver: ReceiverId) -> Option<SurfaceId> {
+        Some(self.scene.mesh().surface_of(PatchId(receiver.0)))
+    }
+}

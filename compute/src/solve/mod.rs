@@ -1,0 +1,411 @@
+//! Solving a scene: the library's entrance.
+//!
+//! [`Solve`] says what is solved and how, [`Solve::run`] does it, [`Solved`] has the solution and what it is worth. A run
+//! is watched by an [`Observer`] and stopped by a [`CancelToken`]. Form factors come from [`FormFactors`]; a scene is
+//! solved among its patches, or among coarser sources from which the patches then gather (`levels.rs`).
+
+mod iterate;
+mod levels;
+mod observer;
+mod start;
+
+use std::time::Instant;
+
+use scene::{Rgb, Scene, Solution};
+
+use crate::cancel::CancelToken;
+use crate::certificate::{self, Certificate};
+use crate::form_factors::{FormFactors, Needed};
+use crate::problem::Problem;
+use crate::report::{self, Closure, Energy, Seconds, SourcesReport, StoppedBy};
+use crate::row_cache::{RowCache, RowStatistics};
+use crate::rows::BackendError;
+use crate::settings::{Points, SolveSettings, SolverChoice};
+use crate::solver::convergence::Convergence;
+use crate::solver::{Gather, Shoot, Solver, Update, ambient_radiosity};
+use crate::sources::Sources;
+use iterate::Goal;
+use levels::Next;
+
+pub use observer::{Observer, Position, Remark};
+
+/// Why a scene could not be solved to the end.
+#[derive(Debug, thiserror::Error)]
+#[error("{cause}")]
+pub struct SolveError {
+    /// What went wrong.
+    #[source]
+    pub cause: SolveFault,
+    /// What was solved until then; `None` where nothing was begun.
+    pub solution: Option<Box<Solution>>,
+}
+
+/// What can go wrong.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)] // the fields are the values the message shows
+pub enum SolveFault {
+    #[error(transparent)]
+    Backend(#[from] BackendError),
+    #[error("radiosities are beyond what f32 holds, 3e38 W/m^2; lower the emission")]
+    Overflow,
+}
+
+impl<E: Into<SolveFault>> From<E> for SolveError {
+    fn from(error: E) -> Self {
+        Self {
+            cause: error.into(),
+            solution: None,
+        }
+    }
+}
+
+/// A scene to be solved.
+///
+/// ```
+/// # let scene = genx::make(&genx::Settings::new(genx::Model::Furnace)).unwrap().scene;
+/// let solved = compute::Solve::new(&scene).resolution(32).run()?;
+/// assert!(solved.certificate().violations.is_empty());
+/// let radiosity = solved.radiosity();
+/// # assert_eq!(radiosity.len(), scene.patch_count() as usize);
+/// # Ok::<(), compute::solve::SolveError>(())
+/// ```
+pub struct Solve<'a> {
+    scene: &'a Scene,
+    start: Option<Solution>,
+    settings: SolveSettings,
+    cancel: CancelToken,
+    observer: Option<&'a mut dyn Observer>,
+    /// Rows that somebody has drawn already.
+    rows: Option<RowCache<'a>>,
+}
+
+/// A solution and what it is worth.
+#[derive(Clone, Debug)]
+pub struct Solved {
+    solution: Solution,
+    /// One per patch, W/m^2.
+    radiosity: Vec<Rgb>,
+    certificate: Certificate,
+    /// Why it ended.
+    pub stopped_by: StoppedBy,
+    /// The back end's name, `cpu` or `gpu`.
+    pub backend: &'static str,
+    /// Threads, or the adapter's name.
+    pub adapter: String,
+    /// Patches that no light can reach, whose rows were neither needed nor drawn.
+    pub unlit_patches: u32,
+    /// What drawing has cost; of the rows that are kept, those that the iterations used.
+    pub rows: RowStatistics,
+    /// The sources, where they are coarser than the patches.
+    pub sources: Option<SourcesReport>,
+    /// Seconds by stage.
+    pub seconds: Seconds,
+    /// Iterations that the start has had.
+    pub iterations_before: u64,
+    /// What the residuals tell of the way that is left; `None` where there are too few of them.
+    pub convergence: Option<Convergence>,
+    /// What a radiosity is likely to lack, over the patch's reflectance, W/m^2; shooting only.
+    pub ambient_radiosity: Option<[f64; 3]>,
+    /// Power balance.
+    pub energy: Energy,
+    /// Row sums; `None` where no row was drawn.
+    pub closure: Option<Closure>,
+    /// Mean share of a hemisphere that sees back faces, by area; `None` as above.
+    pub back_face_share: Option<f64>,
+}
+
+impl<'a> Solve<'a> {
+    /// A scene, to be solved as the program `compute` does by default.
+    pub fn new(scene: &'a Scene) -> Self {
+        Self {
+            scene,
+            start: None,
+            settings: SolveSettings::default(),
+            cancel: CancelToken::new(),
+            observer: None,
+            rows: None,
+        }
+    }
+
+    /// All settings at once.
+    #[must_use]
+    pub fn settings(mut self, settings: SolveSettings) -> Self {
+        self.settings = settings;
+        self
+    }
+
+    /// Pixels along a hemicube's face: even, 2 to 4096.
+    #[must_use]
+    pub fn resolution(mut self, resolution: u32) -> Self {
+        self.settings.solution.form_factors.resolution = resolution;
+        self
+    }
+
+    /// Where a patch's hemicubes stand.
+    #[must_use]
+    pub fn points(mut self, points: Points) -> Self {
+        self.settings.solution.form_factors.points = points;
+        self
+    }
+
+    /// How the equation is solved.
+    #[must_use]
+    pub fn solver(mut self, solver: SolverChoice) -> Self {
+        self.settings.solution.solver = solver;
+        self
+    }
+
+    /// The relative residual to stop at, dimensionless.
+    #[must_use]
+    pub fn tolerance(mut self, tolerance: f64) -> Self {
+        self.settings.tolerance = tolerance;
+        self
+    }
+
+    /// The iterations to stop after, those that the start has had included.
+    #[must_use]
+    pub fn iterations(mut self, iterations: u64) -> Self {
+        self.settings.max_iterations = Some(iterations);
+        self
+    }
+
+    /// Goes on from a solution of the scene. One that was made with other settings gives its irradiances alone.
+    #[must_use]
+    pub fn start(mut self, start: Option<Solution>) -> Self {
+        self.start = start;
+        self
+    }
+
+    /// Rows of [`FormFactors::rows`] that are drawn already, in part or all, with these settings.
+    #[must_use]
+    pub fn rows(mut self, rows: Option<RowCache<'a>>) -> Self {
+        self.rows = rows;
+        self
+    }
+
+    /// Stops the run where the token says so.
+    #[must_use]
+    pub fn cancel(mut self, cancel: &CancelToken) -> Self {
+        self.cancel = cancel.clone();
+        self
+    }
+
+    /// Tells somebody how the run goes.
+    #[must_use]
+    pub fn observer(mut self, observer: &'a mut dyn Observer) -> Self {
+        self.observer = Some(observer);
+        self
+    }
+
+    /// Solves the scene, on the threads of the rayon pool it is called in.
+    ///
+    /// # Errors
+    /// A back end that does not open or cannot go on, and radiosities that no f32 holds. The error has what was solved
+    /// until then.
+    pub fn run(self) -> Result<Solved, SolveError> {
+        let mut nobody = observer::Nobody;
+        let Self {
+            scene,
+            start,
+            settings,
+            cancel,
+            observer,
+            rows,
+        } = self;
+        let form_factors =
+            FormFactors::new(scene, settings.solution.form_factors, settings.drawing)
+                .with_cancel(&cancel);
+        let run = Run {
+            scene,
+            form_factors,
+            settings,
+            cancel,
+            observer: observer.unwrap_or(&mut nobody),
+            start: Instant::now(),
+            seconds: Seconds::default(),
+            is_remark_said: false,
+            drawn_before: RowStatistics::default(),
+        };
+        run.run(start, rows)
+    }
+}
+
+impl Solved {
+    /// The solution, from which another run can go on.
+    pub fn solution(&self) -> &Solution {
+        &self.solution
+    }
+
+    /// Radiosities B = E + rho H, W/m^2, one per patch.
+    pub fn radiosity(&self) -> &[Rgb] {
+        &self.radiosity
+    }
+
+    /// Irradiances H, W/m^2, one per patch.
+    pub fn irradiance(&self) -> &[Rgb] {
+        &self.solution.irradiance
+    }
+
+    /// What the form factors and the solution are worth.
+    pub fn certificate(&self) -> &Certificate {
+        &self.certificate
+    }
+
+    /// The solution alone.
+    pub fn into_solution(self) -> Solution {
+        self.solution
+    }
+}
+
+/// A run under way.
+struct Run<'a, 'o> {
+    scene: &'a Scene,
+    form_factors: FormFactors<'a>,
+    settings: SolveSettings,
+    cancel: CancelToken,
+    observer: &'o mut dyn Observer,
+    start: Instant,
+    seconds: Seconds,
+    /// Whether the user knows why the back end is not another one.
+    is_remark_said: bool,
+    /// Hemicubes and time of rows that are there no more: those of coarse sources.
+    drawn_before: RowStatistics,
+}
+
+impl<'a> Run<'a, '_> {
+    fn run(
+        mut self,
+        start: Option<Solution>,
+        rows: Option<RowCache<'a>>,
+    ) -> Result<Solved, SolveError> {
+        let iterations_before = start.as_ref().map_or(0, |s| s.provenance.iterations);
+        let solved = match self.begin(start)? {
+            Next::Nothing(solution) => {
+                let mut rows = self.rows(rows, &solution)?;
+                let stopped_by = if self.cancel.is_cancelled() {
+                    StoppedBy::Interrupt
+                } else {
+                    StoppedBy::Iterations
+                };
+                self.finish(solution, Ok(stopped_by), &mut rows, None)
+            }
+            Next::Patches(start) => {
+                let mut rows = self.rows(rows, &start)?;
+                let mut solver = self.solver(self.scene, start);
+                let result = self.iterate(solver.as_mut(), &mut rows, Goal::Convergence);
+                self.finish(solver.snapshot(), result, &mut rows, None)
+            }
+            Next::Gather(of_sources) => self.gather(*of_sources),
+        };
+        solved.map(|solved| Solved {
+            iterations_before,
+            ..solved
+        })
+    }
+
+    /// The rows of patches to patches, for a solution that goes on from this one: those that are given, if any.
+    fn rows(
+        &mut self,
+        given: Option<RowCache<'a>>,
+        start: &Solution,
+    ) -> Result<RowCache<'a>, SolveError> {
+        if let Some(rows) = given {
+            return Ok(rows);
+        }
+        let form_factors = self.form_factors.clone();
+        let sources = Sources::patches_of(self.scene);
+        Ok(self.open(&form_factors, sources, self.needed(start))?)
+    }
+
+    /// Whose rows are needed in a run that goes on from this solution.
+    fn needed<'s>(&self, start: &'s Solution) -> Needed<'s> {
+        if self.settings.all_rows {
+            Needed::All
+        } else {
+            Needed::Lit(start)
+        }
+    }
+
+    /// Opens rows to some sources, and says what a user should know of that.
+    fn open<'s>(
+        &mut self,
+        form_factors: &FormFactors<'s>,
+        sources: Sources<'s>,
+        needed: Needed,
+    ) -> Result<RowCache<'s>, BackendError> {
+        let opening = Instant::now();
+        let rows = form_factors.rows_to(sources, needed)?;
+        self.seconds.open += opening.elapsed().as_secs_f64();
+        if let Some(remark) = rows.remark()
+            && !std::mem::replace(&mut self.is_remark_said, true)
+        {
+            self.observer.remark(&Remark::Backend(remark.to_owned()));
+        }
+        Ok(rows)
+    }
+
+    /// A solver among the patches of a scene that goes on from `start`.
+    fn solver<'s>(&self, scene: &'s Scene, start: Solution) -> Box<dyn Solver + 's> {
+        let problem = Problem::new(scene);
+        match self.settings.solution.solver {
+            SolverChoice::Jacobi => Box::new(Gather::new(problem, Update::AfterIteration, start)),
+            SolverChoice::GaussSeidel => Box::new(Gather::new(problem, Update::AtOnce, start)),
+            SolverChoice::Shooting => Box::new(Shoot::new(problem, start)),
+        }
+    }
+
+    /// What a solution is worth that the run has come to. `of_sources` is what there is to tell of coarser sources, and
+    /// their rows.
+    fn finish(
+        &mut self,
+        solution: Solution,
+        result: Result<StoppedBy, SolveFault>,
+        rows: &mut RowCache,
+        of_sources: Option<(SourcesReport, RowStatistics)>,
+    ) -> Result<Solved, SolveError> {
+        let with = |solution: &Solution, cause| SolveError {
+            cause,
+            solution: Some(Box::new(solution.clone())),
+        };
+        let mut stopped_by = result.map_err(|cause| with(&solution, cause))?;
+        let is_over = !matches!(stopped_by, StoppedBy::Interrupt | StoppedBy::TimeLimit);
+        if self.settings.all_rows && is_over {
+            let drawn = rows.draw_missing();
+            drawn.map_err(|error| with(&solution, error.into()))?;
+            if self.cancel.is_cancelled() {
+                stopped_by = StoppedBy::Interrupt;
+            }
+        }
+        let statistics = rows.statistics().with_drawing_of(&self.drawn_before);
+        let kept = of_sources.map_or(statistics, |(_, rows)| rows);
+        let duration = statistics.duration;
+        self.seconds.draw = duration.as_secs_f64();
+        self.seconds.finish(self.start.elapsed());
+        let (energy, closure, back_face_share) = report::measure(self.scene, &solution, rows);
+        let residuals = &solution.provenance.residuals;
+        let solver = self.settings.solution.solver;
+        let ambient = ambient_radiosity(&Problem::new(self.scene), &solution);
+        Ok(Solved {
+            radiosity: solution.radiosity(self.scene),
+            certificate: certificate::certify(rows, energy.imbalance, residuals.last().copied()),
+            stopped_by,
+            backend: rows.backend(),
+            adapter: rows.describe_source(),
+            unlit_patches: self.scene.patch_count() - rows.lit_count(),
+            rows: RowStatistics {
+                hemicubes: statistics.hemicubes,
+                duration,
+                ..kept
+            },
+            sources: of_sources.map(|(report, _)| report),
+            seconds: self.seconds,
+            iterations_before: 0,
+            convergence: Convergence::new(solver, residuals),
+            ambient_radiosity: ambient.map(Into::into),
+            energy,
+            closure,
+            back_face_share,
+            solution,
+        })
+    }
+}
