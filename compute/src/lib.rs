@@ -23,6 +23,7 @@ mod progress;
 pub mod quantity;
 pub mod report;
 pub mod row_cache;
+pub mod row_file;
 pub mod rows;
 pub mod run;
 pub mod settings;
