@@ -154,7 +154,7 @@ mod tests {
             }
         });
         vec(row, 1..5).prop_map(|rows| {
-            let exact = Exact::new(&[Vec3::ZERO; SOURCES as usize]);
+            let exact = Exact::new(&vec![Vec3::ZERO; SOURCES as usize]);
             CompactRows::encode(&RowBatch::of(7, rows), &exact)
         })
     }

@@ -194,7 +194,7 @@ fn depths(scene: &Scene) -> u64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use glam::{DVec3, Vec3};
     use scene::{Material, MaterialId, ObjectId, Rgb, Surface};
     use serde_json::json;
@@ -245,6 +245,23 @@ mod tests {
             DVec3::ZERO,
         )
         .unwrap()
+    }
+
+    /// The identity of the rows of a scene of 2^`depth` patches.
+    pub(in crate::row_file) fn of_one_surface(depth: u32) -> Identity {
+        let wall = Material {
+            name: String::new(),
+            reflectance: Rgb::ZERO,
+            emission: Rgb::ZERO,
+        };
+        let surface = Surface {
+            corners: [Vec3::X, Vec3::Y, Vec3::ZERO],
+            material: MaterialId(0),
+            object: ObjectId(0),
+        };
+        let objects = vec![String::new()];
+        let scene = Scene::new(vec![wall], objects, vec![surface], &[depth], DVec3::ZERO).unwrap();
+        Identity::new(&scene, &scene, &(), "cpu")
     }
 
     fn of(parts: &Parts) -> Identity {

@@ -89,7 +89,8 @@ impl RecordHeader {
         self.magic == RECORD_MAGIC && self.checksum == self.expected_checksum()
     }
 
-    fn expected_checksum(&self) -> u64 {
+    /// What [`Self::checksum`] is where the header is whole.
+    pub fn expected_checksum(&self) -> u64 {
         let unsigned = Self {
             checksum: 0,
             ..*self

@@ -340,3 +340,104 @@ fn check_header(path: &Path, file: &File, identity: &Identity) -> Result<u64, Ro
         Err(RowFileError::Other { path, differences })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::row_file::identity::tests::of_one_surface;
+
+    /// A file of 2^5 receivers with these records, whose checksums are right, and then a good one: how many rows it
+    /// has, and how many of its records are damaged.
+    fn read(records: &[(RecordHeader, Vec<u8>)]) -> (u32, u64) {
+        let identity = of_one_surface(5);
+        let json = identity.to_bytes();
+        let mut bytes = [bytemuck::bytes_of(&Header::new(&json)), &json].concat();
+        let good = body(RowRecord::default(), &[], &[]);
+        let good = (RecordHeader::new(0, 1 << 31, 0, &good), good);
+        for (header, body) in records.iter().chain([&good]) {
+            bytes.extend_from_slice(bytemuck::bytes_of(header));
+            bytes.extend_from_slice(body);
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.rows");
+        std::fs::write(&path, bytes).unwrap();
+        let mut file = RowFile::open(&path, &identity).unwrap().unwrap();
+        file.read_block(0);
+        assert!(file.read_block(1).is_none());
+        (file.row_count(), file.damaged_records())
+    }
+
+    /// A body of one row.
+    fn body(row: RowRecord, headers: &[u32], numbers: &[u16]) -> Vec<u8> {
+        [
+            bytemuck::bytes_of(&row),
+            bytemuck::cast_slice(headers),
+            bytemuck::cast_slice(numbers),
+        ]
+        .concat()
+    }
+
+    #[test]
+    fn wrong_values_with_right_checksums_are_missing() {
+        const HEADERS: [u32; 1] = [64 << 24 | 0b11];
+        const NUMBERS: [u16; 2] = [5, 6];
+        let row = RowRecord {
+            headers: 1,
+            numbers: 2,
+            ..RowRecord::default()
+        };
+        let of_body = |body: Vec<u8>| read(&[(RecordHeader::new(0, 1, 0, &body), body)]);
+        assert_eq!(of_body(body(row, &HEADERS, &NUMBERS)), (2, 0));
+        let unseen = RowRecord {
+            open: u32::MAX,
+            back_face: 1,
+            ..row
+        };
+        let too_many = RowRecord {
+            headers: u32::MAX,
+            numbers: u32::MAX,
+            ..row
+        };
+        for bad in [
+            body(unseen, &HEADERS, &NUMBERS),
+            body(too_many, &HEADERS, &NUMBERS),
+            body(row, &HEADERS, &NUMBERS[1..]),
+            body(row, &HEADERS, &[5, 6, 7]),
+            // No such patch, of 32.
+            body(row, &[64 << 24 | 2 << 16 | 0b11], &NUMBERS),
+            [&body(row, &HEADERS, &NUMBERS)[..], &[0]].concat(),
+        ] {
+            assert_eq!(of_body(bad), (1, 1));
+        }
+        // A header that is none ends the log.
+        let body = body(row, &HEADERS, &NUMBERS);
+        for (block, drawn, unlit) in [
+            (1, 1, 0),
+            (u32::MAX, 1, 0),
+            (0, 1 << 32, 0),
+            (0, 1, 1 << 32),
+            (0, 1, 1),
+            // Rows that the body has no room for.
+            (0, 0b11, 0),
+        ] {
+            let header = RecordHeader::new(block, drawn, unlit, &body);
+            assert_eq!(read(&[(header, body.clone())]), (0, 0));
+        }
+    }
+
+    #[test]
+    fn a_length_that_the_file_does_not_have_ends_the_log() {
+        for body_bytes in [1 << 20, u64::MAX] {
+            let header = RecordHeader {
+                body_bytes,
+                ..RecordHeader::new(0, 1, 0, &[])
+            };
+            let header = RecordHeader {
+                checksum: header.expected_checksum(),
+                ..header
+            };
+            assert!(header.is_whole());
+            assert_eq!(read(&[(header, Vec::new())]), (0, 0));
+        }
+    }
+}

@@ -209,31 +209,14 @@ fn write_at(mut file: &File, offset: u64, bytes: &[u8]) -> io::Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use glam::{DVec3, Vec3};
-    use scene::{Material, MaterialId, ObjectId, Rgb, Scene, Surface};
+    use scene::Rgb;
 
     use super::*;
     use crate::compact_rows::Exact;
+    use crate::row_file::identity::tests::of_one_surface;
     use crate::rows::{Entry, Row, RowBatch, Unseen};
 
-    /// A surface of 2^8 patches.
-    fn identity() -> Identity {
-        let wall = Material {
-            name: String::new(),
-            reflectance: Rgb::ZERO,
-            emission: Rgb::ZERO,
-        };
-        let surface = Surface {
-            corners: [Vec3::X, Vec3::Y, Vec3::ZERO],
-            material: MaterialId(0),
-            object: ObjectId(0),
-        };
-        let objects = vec![String::new()];
-        let scene = Scene::new(vec![wall], objects, vec![surface], &[8], DVec3::ZERO).unwrap();
-        Identity::new(&scene, &scene, &(), "cpu")
-    }
-
-    /// The rows of a block, and their states.
+    /// The rows of a block of 2^8 patches, and their states.
     fn block(block: u32) -> (CompactRows, Vec<RowState>) {
         let row = |k| Row {
             entries: vec![Entry {
@@ -251,7 +234,7 @@ mod tests {
     fn what_cannot_be_written_is_one_error_and_leaves_what_was_there() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.rad.rows");
-        let mut writer = RowWriter::create(&path, &identity(), u64::MAX).unwrap();
+        let mut writer = RowWriter::create(&path, &of_one_surface(8), u64::MAX).unwrap();
         let (rows, states) = block(1);
         writer.add(&rows, &states).unwrap();
         let before = std::fs::read(&path).unwrap();
@@ -276,7 +259,7 @@ mod tests {
     fn rows_do_not_wait_without_end() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.rad.rows");
-        let mut writer = RowWriter::create(&path, &identity(), u64::MAX).unwrap();
+        let mut writer = RowWriter::create(&path, &of_one_surface(8), u64::MAX).unwrap();
         let (rows, mut states) = block(2);
         states[9] = RowState::Missing;
         writer.add(&rows, &states).unwrap();
