@@ -39,6 +39,10 @@
 //! Zeros instead of missing entries would save the bits, and cost 2 bytes for each of the 15 to 50 percent of
 //! a block that is not seen. Patch numbers as differences of 8 bits cost a byte an entry, and a gather.
 
+mod stored;
+
+pub use stored::Stored;
+
 use std::ops::Range;
 
 use fearless_simd::{Level, Simd, dispatch, f32x4, f32x8, f64x4, i32x4, prelude::*, u16x8, u32x4};

@@ -26,6 +26,7 @@ pub mod quantity;
 pub mod receivers;
 pub mod report;
 pub mod row_cache;
+pub mod row_file;
 pub mod rows;
 pub mod settings;
 pub mod solve;
