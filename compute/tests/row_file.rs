@@ -116,7 +116,7 @@ impl Rows {
                 continue;
             };
             let (expected, states) = self.batch(receivers.clone());
-            assert_eq!(found.rows.patches(), receivers);
+            assert_eq!(found.rows.receivers(), receivers);
             assert_eq!(found.states.len(), states.len());
             for (k, receiver) in receivers.enumerate() {
                 let is_drawn = matches!(found.states[k], RowState::Drawn(_));
@@ -152,12 +152,12 @@ fn any_rows() -> impl Strategy<Value = Rows> {
         let entries = steps.into_iter().map(|(gap, units)| {
             patch += gap;
             Entry {
-                patch: patch - 1,
+                source: patch - 1,
                 units,
             }
         });
         Row {
-            entries: entries.take_while(|e| e.patch < SOURCES).collect(),
+            entries: entries.take_while(|e| e.source < SOURCES).collect(),
             ..Row::default()
         }
     });
@@ -175,7 +175,7 @@ fn small_rows() -> Rows {
     let row = |i: u32| Row {
         entries: (0..i % 3)
             .map(|k| Entry {
-                patch: i + 2000 * k,
+                source: i + 2000 * k,
                 units: (i * 1000 + k + 1) as f32,
             })
             .collect(),
@@ -568,7 +568,7 @@ fn a_full_disk_is_one_error_and_leaves_what_was_there() {
     let mut rows = small_rows();
     // The second block does not fit: 64 rows of 1000 numbers.
     for row in &mut rows.rows[BLOCK as usize..] {
-        let entry = |patch| Entry { patch, units: 9.0 };
+        let entry = |source| Entry { source, units: 9.0 };
         row.entries = (0..1000).map(entry).collect();
     }
     let mut writer = RowWriter::create(&path, &IDENTITY, u64::MAX).unwrap();

@@ -97,13 +97,13 @@ impl CompactRows {
         Stored::new(row.headers, &row.numbers[..self.ends[k].number - start])
     }
 
-    /// The rows of consecutive patches, the first of which is `first_patch`'s, as they were stored; takes no more
+    /// The rows of consecutive patches, the first of which is `first`'s, as they were stored; takes no more
     /// memory than they need.
-    pub fn of_stored(first_patch: u32, stored: &[Stored]) -> Self {
+    pub fn of_stored(first: u32, stored: &[Stored]) -> Self {
         let headers = stored.iter().map(|row| row.headers.len()).sum();
         let numbers: usize = stored.iter().map(|row| row.numbers.len()).sum();
         let mut rows = Self {
-            first_patch,
+            first,
             ends: Vec::with_capacity(stored.len()),
             headers: Vec::with_capacity(headers),
             numbers: Vec::with_capacity(numbers + LANES),
@@ -144,12 +144,12 @@ mod tests {
             let entries = steps.into_iter().map(|(gap, units)| {
                 patch += gap;
                 Entry {
-                    patch: patch - 1,
+                    source: patch - 1,
                     units,
                 }
             });
             Row {
-                entries: entries.take_while(|e| e.patch < SOURCES).collect(),
+                entries: entries.take_while(|e| e.source < SOURCES).collect(),
                 ..Row::default()
             }
         });
@@ -164,8 +164,8 @@ mod tests {
         let rows = CompactRows::of_stored(0, &[stored]);
         let entries: Vec<Entry> = rows.row(0).into_iter().collect();
         assert_eq!(entries.len() as u64, rows.entries());
-        assert!(entries.is_sorted_by(|a, b| a.patch < b.patch));
-        assert!(entries.iter().all(|e| e.patch < SOURCES));
+        assert!(entries.is_sorted_by(|a, b| a.source < b.source));
+        assert!(entries.iter().all(|e| e.source < SOURCES));
         assert!(
             entries
                 .iter()
@@ -179,7 +179,7 @@ mod tests {
     proptest! {
         #[test]
         fn rows_put_together_are_those_that_were_stored(rows in any_rows()) {
-            let count = rows.patches().len();
+            let count = rows.receivers().len();
             let stored: Vec<Stored> = (0..count).map(|k| rows.stored(k)).collect();
             for row in &stored {
                 let checked = Stored::checked(row.headers(), row.numbers(), SOURCES);
@@ -187,7 +187,7 @@ mod tests {
                 decodes(*row);
             }
             let again = CompactRows::of_stored(7, &stored);
-            prop_assert_eq!(again.patches(), rows.patches());
+            prop_assert_eq!(again.receivers(), rows.receivers());
             prop_assert_eq!(again.entries(), rows.entries());
             prop_assert_eq!(again.bytes(), rows.bytes());
             for (k, row) in stored.iter().enumerate() {

@@ -126,7 +126,7 @@ impl RowWriter {
     /// # Panics
     /// Where there are not as many states as rows, or a receiver is none of the file's.
     pub fn add(&mut self, rows: &CompactRows, states: &[RowState]) -> Result<(), RowFileError> {
-        let receivers = rows.patches();
+        let receivers = rows.receivers();
         assert_eq!(states.len(), receivers.len());
         assert!(receivers.end <= self.file.receivers());
         if self.room != Room::Some || receivers.is_empty() {
@@ -220,7 +220,7 @@ mod tests {
     fn block(block: u32) -> (CompactRows, Vec<RowState>) {
         let row = |k| Row {
             entries: vec![Entry {
-                patch: k,
+                source: k,
                 units: 5.0,
             }],
             ..Row::default()
