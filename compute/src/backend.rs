@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::cpu::CpuRows;
 use crate::hemicubes::Hemicubes;
 use crate::rows::{BackendError, RowSource};
-use crate::settings::BackendChoice;
+use crate::settings::{AdapterChoice, BackendChoice};
 
 /// An opened back end.
 pub struct Backend<'a> {
@@ -44,15 +44,6 @@ pub fn open<'a>(
             Err(error) => cpu(Some(format!("the GPU is not used: {error}"))),
         }),
     }
-}
-
-/// Which adapters are accepted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum AdapterChoice {
-    /// Graphics cards only: discrete, integrated or virtual.
-    RealOnly,
-    /// Software adapters too, where there is no graphics card.
-    Any,
 }
 
 #[cfg(feature = "gpu")]

@@ -21,7 +21,6 @@
 //! threads; each row counts once. Who is to blame is found by drawing a few hemicubes again.
 
 mod culprit;
-mod received;
 
 use scene::{PatchId, Scene};
 use serde::Serialize;
@@ -30,8 +29,6 @@ use crate::row_cache::RowCache;
 use crate::rows::UNITS_PER_ONE;
 use crate::sources::SourceId;
 use culprit::{Loss, culprit};
-
-pub use received::Received;
 
 /// A scene looks closed when its patches see less than this of openings, dimensionless: a convex room's
 /// do when holes take less than this share of its walls, and what is left open on purpose is larger.

@@ -24,7 +24,9 @@ use crate::lamps::with_lamps;
 use crate::receivers::Receivers;
 use crate::row_cache::RowCache;
 use crate::rows::{BackendError, RowSource};
-use crate::settings::{BackendChoice, ClosedForms, Drawing, FormFactorSettings, SourceArea};
+use crate::settings::{
+    BackendChoice, ClosedForms, Drawing, FormFactorSettings, MOST_ON_ONE_LEVEL, SourceArea,
+};
 use crate::sources::Sources;
 use crate::two_levels;
 use crate::unlit;
@@ -107,9 +109,7 @@ impl<'a> FormFactors<'a> {
                     Levels::Patches
                 }
             }
-            SourceArea::Auto if self.scene.patch_count() > two_levels::MOST_ON_ONE_LEVEL => {
-                Levels::Automatic
-            }
+            SourceArea::Auto if self.scene.patch_count() > MOST_ON_ONE_LEVEL => Levels::Automatic,
             SourceArea::Auto | SourceArea::Patches => Levels::Patches,
         }
     }

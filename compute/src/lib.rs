@@ -12,8 +12,10 @@ pub mod compact_rows;
 pub mod convex;
 pub mod cpu;
 pub mod delta_form_factors;
+pub mod energy;
 pub mod form_factors;
 pub mod form_factors_csv;
+pub mod gather;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod hemicubes;
@@ -23,6 +25,7 @@ pub mod problem;
 #[cfg(feature = "program")]
 pub mod program;
 pub mod quantity;
+pub mod received;
 pub mod receivers;
 pub mod report;
 pub mod row_cache;

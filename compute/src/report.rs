@@ -1,50 +1,17 @@
-//! What a run did: the report, and its short form for people.
-//!
-//! # Theory
-//! Power balance, by channel, W: what is emitted, sum A E, is absorbed, sum A (1 - rho) H, or lost
-//! through openings, sum A B f with f the share of a patch's hemisphere that sees nothing, or lost to
-//! back faces, which are black. At the solution they balance up to the error of the form factors'
-//! reciprocity: patches gather by F_ij, and leave by F_ji. The imbalance says how large that is.
+//! What a run of the program did: the report, and its short form for people.
 
 use std::path::Path;
 use std::time::Duration;
 
-use glam::DVec3;
-use scene::{Scene, Solution};
-use serde::{Deserialize, Serialize};
+use scene::Scene;
+use serde::Serialize;
 
 use crate::certificate::Certificate;
+use crate::energy::{Closure, Energy};
 use crate::quantity::{show_duration, show_size};
-use crate::row_cache::RowCache;
-use crate::rows::UNITS_PER_ONE;
 use crate::settings::{SolutionSettings, SolveSettings};
-use crate::solve::Solved;
+use crate::solve::{Seconds, Solved, SourcesReport, StoppedBy};
 use crate::solver::convergence::Convergence;
-
-/// Why a run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum StoppedBy {
-    /// The residual reached the tolerance.
-    Tolerance,
-    /// The iterations asked for were done.
-    Iterations,
-    /// The time was over.
-    TimeLimit,
-    /// The user asked.
-    Interrupt,
-}
-
-impl StoppedBy {
-    fn describe(self) -> &'static str {
-        match self {
-            Self::Tolerance => "converged to the tolerance",
-            Self::Iterations => "stopped by --iterations",
-            Self::TimeLimit => "stopped by --time-limit, not converged",
-            Self::Interrupt => "interrupted, not converged",
-        }
-    }
-}
 
 /// Everything about a run.
 #[derive(Clone, Debug, Serialize)]
@@ -132,32 +99,6 @@ pub struct BackendReport {
     pub adapter: String,
 }
 
-/// What was solved among, before the patches gathered.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct SourcesReport {
-    /// How many.
-    pub count: u32,
-    /// Their largest area, where patches are smaller, m^2.
-    pub max_area: f64,
-    /// About the error of irradiance that they bring, relative, root mean square by area; null where it was not asked
-    /// for.
-    pub estimated_error: Option<f64>,
-    /// Share of the patches that have gathered from them, 0 to 1; the others have what their source has.
-    pub gathered_share: f64,
-}
-
-impl SourcesReport {
-    /// So many sources of at most `max_area`, m^2, from which no patch has gathered yet.
-    pub fn new(count: u32, max_area: f64) -> Self {
-        Self {
-            count,
-            max_area,
-            estimated_error: None,
-            gathered_share: 0.0,
-        }
-    }
-}
-
 /// What became of the form factors.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct RowsReport {
@@ -167,110 +108,6 @@ pub struct RowsReport {
     pub kept_bytes: u64,
     /// The same for each form factor that is not zero; null where no row is kept.
     pub bytes_per_entry: Option<f64>,
-}
-
-/// Seconds by stage.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub struct Seconds {
-    /// Reading the scene.
-    pub load: f64,
-    /// Opening the back end.
-    pub open: f64,
-    /// Drawing hemicubes and merging their pixels.
-    pub draw: f64,
-    /// Everything else of the iterations.
-    pub solve: f64,
-    /// Writing results and checkpoints.
-    pub write: f64,
-    /// All.
-    pub total: f64,
-}
-
-impl Seconds {
-    /// Takes what is not known of the total for solving.
-    pub fn finish(&mut self, total: Duration) {
-        self.total = total.as_secs_f64();
-        self.solve = (self.total - self.load - self.open - self.draw - self.write).max(0.0);
-    }
-}
-
-/// Power balance, W, by channel.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct Energy {
-    /// By lamps.
-    pub emitted_w: [f64; 3],
-    /// By patches.
-    pub absorbed_w: [f64; 3],
-    /// Through openings; null where no row was drawn in this run.
-    pub lost_w: Option<[f64; 3]>,
-    /// To back faces; null as above.
-    pub back_faces_w: Option<[f64; 3]>,
-    /// (emitted - absorbed - lost - back faces) / emitted, all channels together, dimensionless; null
-    /// where something is unknown or nothing is emitted.
-    pub imbalance: Option<f64>,
-}
-
-/// Row sums, dimensionless.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct Closure {
-    /// Smallest.
-    pub min: f64,
-    /// By area.
-    pub mean: f64,
-    /// Largest.
-    pub max: f64,
-}
-
-/// Power balance, row sums and share of back faces.
-pub fn measure(
-    scene: &Scene,
-    solution: &Solution,
-    rows: &RowCache,
-) -> (Energy, Option<Closure>, Option<f64>) {
-    let areas = scene.patch_areas();
-    let reflectance = scene.patch_reflectances();
-    let radiosity = solution.radiosity(scene);
-    let [mut absorbed, mut lost, mut back] = [DVec3::ZERO; 3];
-    let (mut sum_min, mut sum_max) = (f64::INFINITY, f64::NEG_INFINITY);
-    let (mut sum_area, mut back_area, mut drawn_area) = (0.0, 0.0, 0.0);
-    let mut all_drawn = true;
-    for (i, &area) in areas.iter().enumerate() {
-        let irradiance = solution.irradiance[i].as_dvec3();
-        absorbed += area * (1.0 - reflectance[i].as_dvec3()) * irradiance;
-        let Some(unseen) = rows.unseen()[i] else {
-            // What is unlit loses nothing.
-            all_drawn &= rows.unlit()[i];
-            continue;
-        };
-        let open = f64::from(unseen.open) / f64::from(UNITS_PER_ONE);
-        let back_face = f64::from(unseen.back_face) / f64::from(UNITS_PER_ONE);
-        let leaving = area * radiosity[i].as_dvec3();
-        lost += open * leaving;
-        back += back_face * leaving;
-        let sum = rows.received().row_sum(i);
-        sum_min = sum_min.min(sum);
-        sum_max = sum_max.max(sum);
-        sum_area += area * sum;
-        back_area += area * back_face;
-        drawn_area += area;
-    }
-    let emitted = scene.emitted_power();
-    let total = emitted.element_sum();
-    let energy = Energy {
-        emitted_w: emitted.into(),
-        absorbed_w: absorbed.into(),
-        lost_w: all_drawn.then(|| lost.into()),
-        back_faces_w: all_drawn.then(|| back.into()),
-        imbalance: (all_drawn && total > 0.0)
-            .then(|| (emitted - absorbed - lost - back).element_sum() / total),
-    };
-    let any_drawn = drawn_area > 0.0;
-    let closure = any_drawn.then(|| Closure {
-        min: sum_min,
-        mean: sum_area / drawn_area,
-        max: sum_max,
-    });
-    (energy, closure, any_drawn.then(|| back_area / drawn_area))
 }
 
 /// Peak resident memory of this process, bytes, where the system tells (Linux).

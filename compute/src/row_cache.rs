@@ -7,9 +7,9 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::cancel::CancelToken;
-use crate::certificate::Received;
 use crate::compact_rows::{self, CompactRows, Exact};
 use crate::hemicubes::Hemicubes;
+use crate::received::Received;
 use crate::receivers::ReceiverId;
 use crate::rows::{BackendError, Row, RowBatch, RowSource, Unseen};
 use crate::sources::Sources;

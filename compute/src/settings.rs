@@ -6,8 +6,6 @@ use std::time::Duration;
 use scene::RecordedSettings;
 use serde::{Serialize, Serializer};
 
-use crate::two_levels::MOST_ON_ONE_LEVEL;
-
 /// Where on a patch its hemicubes stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Points {
@@ -156,6 +154,15 @@ pub enum BackendChoice {
     Gpu,
 }
 
+/// Which adapters are accepted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AdapterChoice {
+    /// Graphics cards only: discrete, integrated or virtual.
+    RealOnly,
+    /// Software adapters too, where there is no graphics card.
+    Any,
+}
+
 /// How the radiosity equation is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -167,6 +174,11 @@ pub enum SolverChoice {
     /// The patch with the most unshot power shoots.
     Shooting,
 }
+
+/// Scenes with more patches than this have automatic sources. Tuned on the hall at 100
+/// pixels: the rows of 26,928 patches take an eighth of the default memory, those of 134,016 more than all of it, and
+/// are then drawn again in each iteration.
+pub const MOST_ON_ONE_LEVEL: u32 = 1 << 16;
 
 /// How coarse sources are.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -51,11 +51,6 @@ use crate::rows::BackendError;
 /// relative.
 pub const MOST_ERROR: f64 = 0.005;
 
-/// Scenes with more patches than this have automatic sources. Tuned on the hall at 100
-/// pixels: the rows of 26,928 patches take an eighth of the default memory, those of 134,016 more than all of it, and
-/// are then drawn again in each iteration.
-pub const MOST_ON_ONE_LEVEL: u32 = 1 << 16;
-
 /// Sources of the first try, if the surfaces are no more.
 const FEWEST_SOURCES: f64 = 1024.0;
 

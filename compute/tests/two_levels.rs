@@ -8,7 +8,7 @@ use compute::certificate::CLOSURE_TOLERANCE;
 use compute::form_factors::Needed;
 use compute::problem::Problem;
 use compute::row_cache::RowCache;
-use compute::settings::{BackendChoice, Drawing, FormFactorSettings};
+use compute::settings::{BackendChoice, Drawing, FormFactorSettings, MOST_ON_ONE_LEVEL};
 use compute::solver::{Gather, Solver, Update};
 use compute::sources::Sources;
 use compute::two_levels::{self, GatherOnce, OnSources};
@@ -220,7 +220,7 @@ fn the_largest_scenes_choose_their_sources() {
     let folder = folder();
     let scene = common::colourful_room(0.001);
     let patches = scene.patch_count();
-    assert!(patches > two_levels::MOST_ON_ONE_LEVEL);
+    assert!(patches > MOST_ON_ONE_LEVEL);
     save(folder.path(), "in.rad", &scene);
     let mut errors = Vec::new();
     for solver in ["jacobi", "gauss-seidel", "shooting"] {

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use compute::report::Closure;
+use compute::energy::Closure;
 use compute::settings::{BackendChoice, Drawing, SolveSettings};
 use compute::solve::Observer;
 use compute::{Solve, Solved};
@@ -24,7 +24,7 @@ pub struct Summary {
     pub iterations: u64,
     pub residual: f64,
     pub closure: Option<Closure>,
-    /// Dimensionless, see [`compute::report::Energy`].
+    /// Dimensionless, see [`compute::energy::Energy`].
     pub imbalance: Option<f64>,
     pub drawing_secs: f64,
     pub total_secs: f64,

@@ -16,13 +16,13 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use rayon::prelude::*;
 use scene::Scene;
 use visibility::{Cull, Drawable, Sample, Window};
 
 use crate::camera::Camera;
-use crate::kind::{self, Kind, MAX_BACK_FACES};
+use crate::kind::{self, Kind, MAX_BACK_FACES, bounding_box};
 use crate::probe::{Lookout, Probe, Ray};
 use crate::settings::Size;
 
@@ -100,12 +100,6 @@ pub fn choose(scene: &Scene, wishes: &Wishes) -> View {
         }
         Kind::Room | Kind::Object => outside(scene, wishes),
     }
-}
-
-/// The scene's bounding box: its middle and half its extent, metres.
-pub fn bounding_box(scene: &Scene) -> [DVec3; 2] {
-    let [low, high] = scene.bounds().map(Vec3::as_dvec3);
-    [0.5 * (low + high), 0.5 * (high - low)]
 }
 
 /// The view through the open side of a stage, which fills the picture.

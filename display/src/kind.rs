@@ -9,12 +9,11 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use scene::Scene;
 use visibility::{Cull, Drawable, Sample};
 
-use crate::default_camera::bounding_box;
 use crate::probe::Probe;
 
 /// Share of directions that are open, above which a scene is no room.
@@ -49,6 +48,12 @@ pub enum Kind {
     Stage(DVec3),
     /// Nothing to be inside of.
     Object,
+}
+
+/// The scene's bounding box: its middle and half its extent, metres.
+pub fn bounding_box(scene: &Scene) -> [DVec3; 2] {
+    let [low, high] = scene.bounds().map(Vec3::as_dvec3);
+    [0.5 * (low + high), 0.5 * (high - low)]
 }
 
 /// The kind of a scene.

@@ -169,3 +169,40 @@ fn the_reference_is_good_enough_to_judge_by() {
         assert!(noise < 0.002, "{name}: {noise}");
     }
 }
+
+/// Irradiances at random points of both scenes against the path tracer's: its own noise, which is known, and what
+/// constant radiosities bring. The latter is that of the means for what comes from far away, and more where a sensor
+/// is nearer to a lit wall than the wall's patches are wide: a percent covers both scenes' (`DISCRETISATION` twice).
+#[test]
+fn sensors_receive_what_the_path_tracer_found() {
+    for (scene, name) in ["cornell", "room"].into_iter().enumerate() {
+        let folder = folder();
+        let obj = data(&format!("{name}.obj"));
+        let model = ["a.rad", obj.to_str().unwrap(), "--max-area", "inf"];
+        run(&folder, "genx", &model);
+        run(&folder, "compute", &["a.rad", "a.rad", "--backend", "cpu"]);
+        let sensors = data(&format!("sensors_{name}.csv"));
+        let out = folder.path().join("values.csv");
+        let arguments = [
+            "gather",
+            "a.rad",
+            "--sensors",
+            sensors.to_str().unwrap(),
+            "--out",
+            out.to_str().unwrap(),
+        ];
+        run(&folder, "compute", &arguments);
+        let values = Table::read(&out);
+        let (mut difference, mut noise, mut whole) = (0.0, 0.0, 0.0);
+        for row in 0..values.len() {
+            let expected = values.rgb(row, "in_irradiance");
+            difference += (values.rgb(row, "irradiance") - expected).length_squared();
+            noise += values.rgb(row, "se").length_squared();
+            whole += expected.length_squared();
+        }
+        let [error, noise] = [difference, noise].map(|sum: f64| (sum / whole).sqrt());
+        println!("{name}: rms error {error:.4}, of which the path tracer's noise {noise:.4}");
+        let mesh = 2.0 * DISCRETISATION[scene];
+        assert!(error < mesh.hypot(noise), "{name}: {error} {noise}");
+    }
+}

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, bail};
-use compute::report::Seconds;
+use compute::solve::Seconds;
 use scene::Scene;
 use serde::Deserialize;
 use tempfile::TempDir;

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use compute::quantity::{show_duration, show_size};
-use compute::two_levels::MOST_ON_ONE_LEVEL;
+use compute::settings::MOST_ON_ONE_LEVEL;
 use genx::Model;
 
 use crate::arguments::{Plan, Section, command_of};

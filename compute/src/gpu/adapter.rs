@@ -11,8 +11,8 @@ use std::time::Duration;
 
 use wgpu::util::DeviceExt;
 
-use crate::backend::AdapterChoice;
 use crate::rows::BackendError;
+use crate::settings::AdapterChoice;
 
 /// A submission that has not ended by then is taken for a lost device: far above what any driver's
 /// watchdog allows, for the sake of software adapters on busy machines.

@@ -15,10 +15,10 @@ use super::pace::Pace;
 use super::race;
 use super::raster::Raster;
 use super::structs::Tile;
-use crate::backend::AdapterChoice;
 use crate::hemicubes::Hemicubes;
 use crate::receivers::ReceiverId;
 use crate::rows::{BackendError, RowBatch, RowSource};
+use crate::settings::AdapterChoice;
 
 /// Submissions in a batch that is asked for, so that most are prepared while another is drawn. Few enough
 /// that an interrupt is answered soon.

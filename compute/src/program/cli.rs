@@ -1,5 +1,6 @@
 //! The command line of `compute`, turned into a [`Task`].
 
+mod gather;
 mod verify;
 
 use std::path::PathBuf;
@@ -37,6 +38,7 @@ struct CommandLine {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Gather(gather::GatherArguments),
     Verify(verify::VerifyArguments),
 }
 
@@ -127,6 +129,8 @@ Examples:
   compute scene.rad solved.rad 256 --points 4    finer: four hemicubes of 256 pixels a patch
   compute solved.rad solved.rad --tolerance 1e-7 go on with a result
   compute scene.rad out.rad 100 --iterations 7   as the thesis measured
+  compute gather solved.rad --sensors points.csv --out values.csv
+                                                 irradiance at points of one's own
   compute verify                                 how far off this program is where answers are known
 
 --strict fails beyond these, which the summary's line \"certificate\" and the report show in any run:
@@ -153,6 +157,13 @@ pub fn parse() -> Task {
         } => match arguments.settings() {
             Ok(settings) => Task::Verify(settings),
             Err(error) => usage_error(ErrorKind::ValueValidation, error.to_string()),
+        },
+        CommandLine {
+            command: Some(Command::Gather(arguments)),
+            ..
+        } => match arguments.settings() {
+            Ok(settings) => Task::Gather(settings),
+            Err(message) => usage_error(ErrorKind::ValueValidation, message),
         },
         CommandLine {
             solve: Some(arguments),
@@ -222,20 +233,25 @@ impl Arguments {
             ("--form-factors", self.form_factors.as_ref()),
             ("--view-factors", self.view_factors.as_ref()),
         ];
-        for (k, (name, path)) in files.iter().enumerate().skip(2) {
-            for (other_name, other) in &files[..k] {
-                if let (Some(path), Some(other)) = (path, other)
-                    && is_same_file(path, other)
-                {
-                    return Err(format!(
-                        "{other_name} and {name} are both {}; choose another name for one of them",
-                        path.display()
-                    ));
-                }
+        check_different(&files, 2)
+    }
+}
+
+/// Checks that the files from that number on, where they are asked for, are none of those before them.
+fn check_different(files: &[(&str, Option<&PathBuf>)], from: usize) -> Result<(), String> {
+    for (k, (name, path)) in files.iter().enumerate().skip(from) {
+        for (other_name, other) in &files[..k] {
+            if let (Some(path), Some(other)) = (path, other)
+                && is_same_file(path, other)
+            {
+                return Err(format!(
+                    "{other_name} and {name} are both {}; choose another name for one of them",
+                    path.display()
+                ));
             }
         }
-        Ok(())
     }
+    Ok(())
 }
 
 /// A parser of one of a few words, which help and errors list.

@@ -1,6 +1,7 @@
 //! The program `compute`: what its commands do with files.
 
 pub mod cli;
+mod gather;
 mod interrupt;
 mod progress;
 mod run;
@@ -10,8 +11,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use crate::cancel::CancelToken;
-use crate::report::{Report, StoppedBy};
-use crate::settings::SolveSettings;
+use crate::report::Report;
+use crate::settings::{BackendChoice, FormFactorSettings, SolveSettings};
+use crate::solve::StoppedBy;
 use crate::verify;
 
 /// What the program is asked to do.
@@ -19,8 +21,27 @@ use crate::verify;
 pub enum Task {
     /// To solve a scene.
     Solve(Box<Settings>),
+    /// To tell what sensors receive in a solved scene.
+    Gather(GatherSettings),
     /// To show how far it is from answers that are known.
     Verify(verify::Settings),
+}
+
+/// Which sensors gather, and by which means.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GatherSettings {
+    /// The solved scene.
+    pub solved: PathBuf,
+    /// Points and normals, as CSV.
+    pub sensors: PathBuf,
+    /// Where the same go with what they receive.
+    pub output: PathBuf,
+    /// What decides the form factors.
+    pub form_factors: FormFactorSettings,
+    /// Who draws.
+    pub backend: BackendChoice,
+    /// Threads of the CPU; `None`: one for each core.
+    pub threads: Option<usize>,
 }
 
 /// How a scene is solved, and the files of it.
@@ -51,6 +72,11 @@ pub struct Settings {
 pub fn run(task: &Task) -> anyhow::Result<ExitCode> {
     Ok(match task {
         Task::Verify(settings) => code(verify::run(settings)?),
+        Task::Gather(settings) => {
+            let cancel = CancelToken::new();
+            interrupt::listen(&cancel);
+            gather::gather(settings, &cancel)?
+        }
         Task::Solve(settings) => {
             let cancel = CancelToken::new();
             interrupt::listen(&cancel);

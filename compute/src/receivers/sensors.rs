@@ -87,6 +87,17 @@ impl Sensors {
     }
 }
 
+impl Sensors {
+    /// How many lie on surfaces.
+    pub fn on_surfaces(&self) -> u32 {
+        let on_surfaces = self
+            .sensors
+            .iter()
+            .filter(|placed| placed.surface.is_some());
+        on_surfaces.count() as u32
+    }
+}
+
 impl Receivers for Sensors {
     fn count(&self) -> u32 {
         self.sensors.len() as u32

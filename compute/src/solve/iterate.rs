@@ -2,8 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::{Position, Remark, Run, SolveFault};
-use crate::report::StoppedBy;
+use super::{Position, Remark, Run, SolveFault, StoppedBy};
 use crate::row_cache::{RowCache, RowStatistics};
 use crate::solver::Solver;
 

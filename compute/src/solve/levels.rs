@@ -6,9 +6,8 @@ use scene::{Level, Provenance, Rgb, Scene, Solution, State};
 use visibility::Drawable;
 
 use super::iterate::Goal;
-use super::{Remark, Run, SolveError, SolveFault, Solved};
+use super::{Remark, Run, SolveError, SolveFault, Solved, SourcesReport, StoppedBy};
 use crate::form_factors::{Levels, Needed};
-use crate::report::{SourcesReport, StoppedBy};
 use crate::row_cache::{RowCache, RowStatistics};
 use crate::solver::Solver;
 use crate::sources::Sources;

@@ -7,6 +7,7 @@
 mod iterate;
 mod levels;
 mod observer;
+mod outcome;
 mod start;
 
 use std::time::Instant;
@@ -15,9 +16,9 @@ use scene::{Rgb, Scene, Solution};
 
 use crate::cancel::CancelToken;
 use crate::certificate::{self, Certificate};
+use crate::energy::{self, Closure, Energy};
 use crate::form_factors::{FormFactors, Needed};
 use crate::problem::Problem;
-use crate::report::{self, Closure, Energy, Seconds, SourcesReport, StoppedBy};
 use crate::row_cache::{RowCache, RowStatistics};
 use crate::rows::BackendError;
 use crate::settings::{Points, SolveSettings, SolverChoice};
@@ -28,6 +29,7 @@ use iterate::Goal;
 use levels::Next;
 
 pub use observer::{Observer, Position, Remark};
+pub use outcome::{Seconds, SourcesReport, StoppedBy};
 
 /// Why a scene could not be solved to the end.
 #[derive(Debug, thiserror::Error)]
@@ -381,7 +383,7 @@ impl<'a> Run<'a, '_> {
         let duration = statistics.duration;
         self.seconds.draw = duration.as_secs_f64();
         self.seconds.finish(self.start.elapsed());
-        let (energy, closure, back_face_share) = report::measure(self.scene, &solution, rows);
+        let (energy, closure, back_face_share) = energy::measure(self.scene, &solution, rows);
         let residuals = &solution.provenance.residuals;
         let solver = self.settings.solution.solver;
         let ambient = ambient_radiosity(&Problem::new(self.scene), &solution);

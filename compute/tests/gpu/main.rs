@@ -11,10 +11,10 @@ mod twins;
 
 use std::sync::Arc;
 
-use compute::backend::AdapterChoice;
 use compute::gpu::{GpuRows, Raster};
 use compute::hemicubes::Hemicubes;
 use compute::rows::BackendError;
+use compute::settings::AdapterChoice;
 use compute::settings::{FormFactorSettings, Points};
 use scene::Scene;
 
