@@ -1,9 +1,20 @@
-//! Hemicubes, form factors and solvers: the program `compute` and what it is made of.
+//! Form factors by hemicubes, and solvers of the radiosity equation: the library of the program `compute`.
 //!
-//! Each patch looks through a [hemicube](visibility::hemicube) at the scene's surfaces. The patches its pixels see, an
-//! item buffer drawn by the [`cpu`] or the [`gpu`], weighted by [`delta_form_factors`], are its
-//! [row](rows) of form factors. Rows are kept in a [`row_cache`], and a [`solver`] iterates on them;
-//! [`run`](mod@run) joins all of it, with checkpoints, and [`report`]s.
+//! ```
+//! # let scene = genx::make(&genx::Settings::new(genx::Model::Furnace)).unwrap().scene;
+//! let solved = compute::Solve::new(&scene).resolution(64).run()?;
+//! println!("{}", solved.certificate().summary());
+//! // In a furnace of reflectance 0.5 that emits 1 W/m^2 everything has a radiosity of 2 W/m^2.
+//! assert!(solved.radiosity().iter().all(|b| (b - 2.0).abs().max_element() < 1e-4));
+//! # Ok::<(), compute::solve::SolveError>(())
+//! ```
+//!
+//! Hemicubes stand at [`receivers`] and see [`sources`]. [`FormFactors`] puts their [rows] together: item buffers of
+//! [`visibility`], drawn by the [`cpu`] or the gpu, weighted by [`delta_form_factors`]; views of [`lamps`]; formulas of
+//! [`convex`] rooms. Rows are kept in a [`row_cache`], and a [`solver`] iterates on them. [`Solve`] joins all of it.
+//!
+//! # Features
+//! `gpu` is the gpu back end, `program` the command line with what it needs; both are on by default.
 
 pub mod backend;
 pub mod cancel;
@@ -45,3 +56,8 @@ pub mod view_factors;
 pub use cancel::CancelToken;
 pub use form_factors::FormFactors;
 pub use solve::{Solve, Solved};
+
+/// The examples of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;

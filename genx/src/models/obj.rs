@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use scene::obj::ObjFault;
-use scene::{Scene, SceneError, Surface};
+use scene::{SceneError, Surface};
 
 use super::override_materials;
 use crate::{GenxError, Imported, Made, Settings};
@@ -13,27 +13,22 @@ use crate::{GenxError, Imported, Made, Settings};
 const DEFAULT_PATCHES: f64 = 4000.0;
 
 pub fn import(path: &Path, settings: &Settings) -> Result<Made, GenxError> {
-    let scene::obj::ObjModel {
-        mut materials,
-        objects,
-        surfaces,
-        faces,
-        origin,
-        report,
-    } = match settings.reflectance {
+    let mut model = match settings.reflectance {
         Some(reflectance) => scene::obj::load_with_reflectance(path, reflectance)?,
         None => scene::obj::load(path).map_err(|error| match error.fault {
             ObjFault::Material(SceneError::Reflectance { .. }) => GenxError::Reflectance(error),
             _ => error.into(),
         })?,
     };
-    override_materials(&mut materials, settings);
-    let max_area = settings
-        .max_area
-        .unwrap_or_else(|| surfaces.iter().map(Surface::area).sum::<f64>() / DEFAULT_PATCHES);
-    let scene = Scene::with_max_area(materials, objects, surfaces, max_area, origin)?;
+    override_materials(&mut model.materials, settings);
+    let max_area = settings.max_area.unwrap_or_else(|| {
+        let area: f64 = model.surfaces.iter().map(Surface::area).sum();
+        area / DEFAULT_PATCHES
+    });
+    let report = std::mem::take(&mut model.report);
+    let scene = model.into_scene(max_area)?;
     Ok(Made {
-        scene: scene.with_faces(faces)?,
+        scene,
         warnings: report.warnings,
         imported: Some(Imported {
             faces: report.faces,

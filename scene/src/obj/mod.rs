@@ -40,7 +40,7 @@ use glam::DVec3;
 pub use error::{ObjError, ObjFault};
 pub(crate) use screen::comment_start;
 
-use crate::{Material, Surface};
+use crate::{Material, Scene, SceneError, Surface};
 
 /// An imported model, ready for [`crate::Scene::with_max_area`] and [`crate::Scene::with_faces`].
 #[derive(Clone, Debug, PartialEq)]
@@ -57,6 +57,25 @@ pub struct ObjModel {
     pub origin: DVec3,
     /// What was noticed.
     pub report: ImportReport,
+}
+
+impl ObjModel {
+    /// The scene of this model, each of whose surfaces is bisected until its patches have at most `max_area`, m^2;
+    /// infinity keeps every triangle as one patch.
+    ///
+    /// # Errors
+    /// More patches than a scene may have, and an area that is not above 0.
+    pub fn into_scene(self, max_area: f64) -> Result<Scene, SceneError> {
+        let Self {
+            materials,
+            objects,
+            surfaces,
+            faces,
+            origin,
+            ..
+        } = self;
+        Scene::with_max_area(materials, objects, surfaces, max_area, origin)?.with_faces(faces)
+    }
 }
 
 /// What an import did and what it left out.
