@@ -11,6 +11,7 @@
 //! | lamps | which emitters have views of their own ([`crate::lamps`]) |
 //! | unlit patches | whose rows nobody needs ([`crate::unlit`]) |
 //! | cache | which rows are kept ([`crate::row_cache`]) |
+//! | files | which rows were drawn by an earlier run ([`crate::row_file`]) |
 
 use std::sync::Arc;
 
@@ -23,6 +24,7 @@ use crate::hemicubes::Hemicubes;
 use crate::lamps::with_lamps;
 use crate::receivers::Receivers;
 use crate::row_cache::RowCache;
+use crate::row_file::{Identity, RowFiles, StoredRows};
 use crate::rows::{BackendError, RowSource};
 use crate::settings::{
     BackendChoice, ClosedForms, Drawing, FormFactorSettings, MOST_ON_ONE_LEVEL, SourceArea,
@@ -38,6 +40,7 @@ pub struct FormFactors<'a> {
     settings: FormFactorSettings,
     drawing: Drawing,
     cancel: CancelToken,
+    row_files: Option<RowFiles>,
 }
 
 /// Among what a scene is solved.
@@ -68,6 +71,7 @@ impl<'a> FormFactors<'a> {
             settings,
             drawing,
             cancel: CancelToken::new(),
+            row_files: None,
         }
     }
 
@@ -79,6 +83,7 @@ impl<'a> FormFactors<'a> {
             settings: self.settings,
             drawing: self.drawing,
             cancel: self.cancel.clone(),
+            row_files: self.row_files.clone(),
         }
     }
 
@@ -89,6 +94,12 @@ impl<'a> FormFactors<'a> {
             cancel: cancel.clone(),
             ..self
         }
+    }
+
+    /// The same, whose rows are looked for and kept in these files, if any.
+    #[must_use]
+    pub fn with_row_files(self, row_files: Option<RowFiles>) -> Self {
+        Self { row_files, ..self }
     }
 
     /// The scene.
@@ -123,7 +134,7 @@ impl<'a> FormFactors<'a> {
     }
 
     /// The rows of the patches over which the sources are. Rows to coarser sources are gathered with once and are not
-    /// worth keeping.
+    /// worth keeping, neither in memory nor in a file; formulas are not worth a file.
     ///
     /// # Errors
     /// As [`Self::rows`].
@@ -143,8 +154,17 @@ impl<'a> FormFactors<'a> {
             Needed::Lit(start) => unlit::unlit(&hemicubes, start),
         };
         let Backend { source, remark } = self.open(&hemicubes)?;
+        let sources = hemicubes.sources();
+        let is_stored = sources.are_patches() && source.draws_hemicubes();
+        let files = self.row_files.as_ref().filter(|_| is_stored);
+        let stored = files.map(|files| {
+            let (patches, seen) = (sources.patches(), sources.scene());
+            let identity = Identity::new(patches, seen, &self.settings, &source.identity());
+            StoredRows::find(files, identity)
+        });
         let mut rows = RowCache::new(&hemicubes, source, memory_bytes)
             .with_cancel(&self.cancel)
+            .with_stored(stored)
             .with_remark(remark);
         if let Some(unlit) = unlit {
             rows.leave_out(unlit);

@@ -5,7 +5,8 @@
 
 use rayon::prelude::*;
 
-use crate::rows::{RowBatch, UNITS_PER_ONE};
+use crate::compact_rows::CompactRows;
+use crate::rows::{Entry, UNITS_PER_ONE};
 
 /// sum_i A_i F_ij for every patch j that is seen and sum_j F_ij for every patch i that sees, over the rows that were
 /// added.
@@ -47,15 +48,21 @@ impl Received {
         }
     }
 
-    /// Adds the rows of those of the batch's patches, counted from its first, that are `new`.
-    pub fn add(&mut self, batch: &RowBatch, new: impl Fn(usize) -> bool + Sync) {
-        let range = batch.receivers();
-        let range = range.start as usize..range.end as usize;
-        let row_sums = self.row_sums[range.clone()].par_iter_mut().enumerate();
-        row_sums.filter(|(k, _)| new(*k)).for_each(|(k, sum)| {
-            *sum = batch.row(k).iter().map(|entry| parts(entry.units)).sum();
-        });
-        let areas = &self.areas[range];
+    /// Adds the rows of those of the batch's patches, counted from its first, that are `new`. They count as they are
+    /// kept, so that a row from a file is worth the same as one that has just been drawn.
+    pub fn add(&mut self, batch: &CompactRows, new: impl Fn(usize) -> bool + Sync) {
+        let first = batch.receivers().start as usize;
+        let row_sums = self.row_sums[first..].par_iter_mut().enumerate();
+        let rows: Vec<(usize, Vec<Entry>)> = row_sums
+            .take(batch.receivers().len())
+            .filter(|(k, _)| new(*k))
+            .map(|(k, sum)| {
+                let row: Vec<Entry> = batch.row(k).into_iter().collect();
+                *sum = row.iter().map(|entry| parts(entry.units)).sum();
+                (first + k, row)
+            })
+            .collect();
+        let areas = &self.areas;
         let per_task = self
             .sums
             .len()
@@ -64,14 +71,13 @@ impl Received {
         let tasks = self.sums.par_chunks_mut(per_task).enumerate();
         tasks.for_each(|(task, sums)| {
             let first = (task * per_task) as u32;
-            for (k, &area) in areas.iter().enumerate().filter(|(k, _)| new(*k)) {
-                let row = batch.row(k);
+            for (patch, row) in &rows {
                 let start = row.partition_point(|entry| entry.source < first);
                 for entry in &row[start..] {
                     let Some(sum) = sums.get_mut((entry.source - first) as usize) else {
                         break;
                     };
-                    *sum += u128::from(area) * u128::from(parts(entry.units));
+                    *sum += u128::from(areas[*patch]) * u128::from(parts(entry.units));
                 }
             }
         });
@@ -95,8 +101,11 @@ impl Received {
 
 #[cfg(test)]
 mod tests {
+    use scene::Rgb;
+
     use super::*;
-    use crate::rows::{Entry, Row, Unseen};
+    use crate::compact_rows::Exact;
+    use crate::rows::{Row, RowBatch, Unseen};
 
     /// More patches than one task adds up, and rows with gaps, one of which does not count.
     #[test]
@@ -124,6 +133,8 @@ mod tests {
                 unseen: Unseen::default(),
             });
         }
+        // What lamps receive is kept bit for bit.
+        let batch = CompactRows::encode(&batch, &Exact::new(&vec![Rgb::ONE; count]));
         let pool = rayon::ThreadPoolBuilder::new().num_threads(4).build();
         let mut received = Received::new(&areas, count as u32);
         pool.unwrap().install(|| received.add(&batch, |k| k != 3));

@@ -108,6 +108,8 @@ pub struct RowsReport {
     pub kept_bytes: u64,
     /// The same for each form factor that is not zero; null where no row is kept.
     pub bytes_per_entry: Option<f64>,
+    /// Rows that were read from a file of an earlier run, or of this one, instead of drawn, each as often as it was read.
+    pub read: u64,
 }
 
 /// Peak resident memory of this process, bytes, where the system tells (Linux).
@@ -157,6 +159,7 @@ impl Report {
                 kept: solved.rows.kept_rows,
                 kept_bytes: solved.rows.kept_bytes,
                 bytes_per_entry: solved.rows.bytes_per_entry(),
+                read: solved.rows.read_rows,
             },
             seconds: solved.seconds,
             peak_memory_bytes: peak_memory_bytes(),
@@ -232,6 +235,12 @@ impl Report {
                 self.hemicubes_drawn,
                 self.hemicubes_drawn as f64 / self.seconds.draw.max(1e-9),
                 show_size(self.rows.kept_bytes),
+            ));
+        }
+        if self.rows.read > 0 {
+            lines.push(format!(
+                "rows           {} read from files instead of drawn",
+                self.rows.read
             ));
         }
         let [r, g, b] = self.energy.emitted_w;

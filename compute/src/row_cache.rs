@@ -1,4 +1,9 @@
 //! Form factor rows, kept while they fit a memory budget and drawn again when they do not.
+//!
+//! Where there are files of rows ([`crate::row_file`]), those that they have are read instead of drawn. All rows count in
+//! the form in which they are kept, so that it makes no difference for any bit, nor for what rows certify, who drew them.
+
+mod statistics;
 
 use std::collections::BTreeMap;
 use std::io;
@@ -7,12 +12,15 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::cancel::CancelToken;
-use crate::compact_rows::{self, CompactRows, Exact};
+use crate::compact_rows::{self, CompactRows, Exact, Stored};
 use crate::hemicubes::Hemicubes;
 use crate::received::Received;
 use crate::receivers::ReceiverId;
+use crate::row_file::{RowFileRemark, RowState, StoredRows};
 use crate::rows::{BackendError, Row, RowBatch, RowSource, Unseen};
 use crate::sources::Sources;
+
+pub use statistics::RowStatistics;
 
 /// All rows of a scene, as far as anybody asks for them.
 pub struct RowCache<'a> {
@@ -25,58 +33,17 @@ pub struct RowCache<'a> {
     /// The last batch that did not fit.
     passing: CompactRows,
     exact: Exact,
-    /// One per patch; `None`: not drawn in this run.
+    /// One per patch; `None`: neither drawn nor read in this run.
     unseen: Vec<Option<Unseen>>,
-    /// What the rows that were drawn in this run send to each patch.
+    /// What the rows that were drawn or read in this run send to each patch.
     received: Received,
     statistics: RowStatistics,
     /// Patches whose rows are taken to be empty and are not drawn; one per patch.
     unlit: Vec<bool>,
+    /// Rows in files.
+    stored: Option<StoredRows>,
     cancel: CancelToken,
     remark: Option<String>,
-}
-
-/// What drawing has cost.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct RowStatistics {
-    /// Hemicubes drawn, those drawn again included.
-    pub hemicubes: u64,
-    /// Time spent drawing and merging.
-    pub duration: Duration,
-    /// Memory of the rows that are kept, bytes.
-    pub kept_bytes: u64,
-    /// Rows that are kept.
-    pub kept_rows: u64,
-    /// Their entries.
-    pub kept_entries: u64,
-    /// Rows that did not fit, each counted as often as it was drawn.
-    pub left_out_rows: u64,
-    /// Their memory, bytes.
-    pub left_out_bytes: u64,
-}
-
-impl RowStatistics {
-    /// Memory an entry of the kept rows takes, bytes; `None` where none is kept.
-    pub fn bytes_per_entry(&self) -> Option<f64> {
-        (self.kept_entries > 0).then(|| self.kept_bytes as f64 / self.kept_entries as f64)
-    }
-
-    /// The same rows, with what drawing others has cost counted too.
-    #[must_use]
-    pub fn with_drawing_of(&self, others: &Self) -> Self {
-        Self {
-            hemicubes: self.hemicubes + others.hemicubes,
-            duration: self.duration + others.duration,
-            ..*self
-        }
-    }
-
-    /// About the memory that all of so many rows would take, bytes, told by those that were drawn.
-    pub fn bytes_of_all(&self, rows: u32) -> u64 {
-        let bytes = (self.kept_bytes + self.left_out_bytes) as f64;
-        let drawn = self.kept_rows + self.left_out_rows;
-        (bytes / drawn.max(1) as f64 * f64::from(rows)) as u64
-    }
 }
 
 impl<'a> RowCache<'a> {
@@ -101,6 +68,7 @@ impl<'a> RowCache<'a> {
             received: Received::new(&patches.patch_areas(), sources.count()),
             statistics: RowStatistics::default(),
             unlit: vec![false; patch_count as usize],
+            stored: None,
             cancel: CancelToken::new(),
             remark: None,
         }
@@ -113,6 +81,12 @@ impl<'a> RowCache<'a> {
             cancel: cancel.clone(),
             ..self
         }
+    }
+
+    /// The same, with rows in files.
+    #[must_use]
+    pub fn with_stored(self, stored: Option<StoredRows>) -> Self {
+        Self { stored, ..self }
     }
 
     /// The same, with something that a user should know about the choice of the back end.
@@ -174,15 +148,19 @@ impl<'a> RowCache<'a> {
 
     /// What drawing has cost so far.
     pub fn statistics(&self) -> RowStatistics {
-        self.statistics
+        let stored = self.stored.as_ref();
+        RowStatistics {
+            files: stored.map_or(Duration::ZERO, StoredRows::duration),
+            ..self.statistics
+        }
     }
 
-    /// What each patch does not see as patches, where its row was drawn in this run.
+    /// What each patch does not see as patches, where its row was drawn or read in this run.
     pub fn unseen(&self) -> &[Option<Unseen>] {
         &self.unseen
     }
 
-    /// What the rows that were drawn in this run send to each patch, each row once.
+    /// What the rows that were drawn or read in this run send to each patch, each row once.
     pub fn received(&self) -> &Received {
         &self.received
     }
@@ -210,7 +188,7 @@ impl<'a> RowCache<'a> {
         Ok(())
     }
 
-    /// Draws the rows that were not drawn in this run, but for those that nobody needs.
+    /// Draws or reads the rows that were not in this run, but for those that nobody needs.
     pub fn draw_missing(&mut self) -> Result<(), BackendError> {
         while let Some(patch) = self.first_missing() {
             if self.cancel.is_cancelled() {
@@ -226,8 +204,8 @@ impl<'a> RowCache<'a> {
         rows.position(|(unseen, &unlit)| unseen.is_none() && !unlit)
     }
 
-    /// A batch that holds the row of `patch`, which exists; where the row must be drawn, the batch
-    /// starts with it, and those that follow are drawn along.
+    /// A batch that holds the row of `patch`, which exists; where the row must be drawn or read, the batch
+    /// starts with it, and those that follow are drawn or read along.
     pub fn batch_with(&mut self, patch: u32) -> Result<&CompactRows, BackendError> {
         let most = self.source.preferred_batch().max(1);
         self.batch_of(patch, most)
@@ -258,9 +236,13 @@ impl<'a> RowCache<'a> {
             .range(patch..)
             .next()
             .map_or(self.patch_count, |(&first, _)| first);
+        if let Some((batch, states)) = self.read(patch..next_kept) {
+            self.statistics.read_rows += self.lit_in(&batch.receivers());
+            return Ok(self.take_up(batch, &states));
+        }
         let mut end = patch;
         let mut rows = 0;
-        while end < next_kept && rows < u64::from(most) {
+        while end < next_kept && rows < u64::from(most) && (end == patch || !self.is_stored(end)) {
             rows += u64::from(!self.unlit[end as usize]);
             end += 1;
         }
@@ -268,24 +250,121 @@ impl<'a> RowCache<'a> {
         let drawn = self.draw(patch..end)?;
         let batch = CompactRows::encode(&drawn, &self.exact);
         self.statistics.duration += start.elapsed();
-        let unseen = &mut self.unseen[patch as usize..end as usize];
-        let unlit = &self.unlit[patch as usize..end as usize];
-        self.received
-            .add(&drawn, |k: usize| unseen[k].is_none() && !unlit[k]);
-        for (k, unseen) in unseen.iter_mut().enumerate().filter(|(k, _)| !unlit[*k]) {
-            *unseen = Some(drawn.unseen(k));
+        let states = (patch..end).enumerate().map(|(k, patch)| {
+            if self.unlit[patch as usize] {
+                RowState::Unlit
+            } else {
+                RowState::Drawn(drawn.unseen(k))
+            }
+        });
+        let states: Vec<RowState> = states.collect();
+        Ok(self.take_up(batch, &states))
+    }
+
+    /// How many of these rows somebody may need.
+    fn lit_in(&self, patches: &Range<u32>) -> u64 {
+        let unlit = &self.unlit[patches.start as usize..patches.end as usize];
+        unlit.iter().filter(|&&unlit| !unlit).count() as u64
+    }
+
+    /// True where the row of a patch is needed and need not be drawn.
+    fn is_stored(&self, patch: u32) -> bool {
+        let stored = self.stored.as_ref();
+        !self.unlit[patch as usize] && stored.is_some_and(|stored| stored.contains(patch))
+    }
+
+    /// The first of these rows and those that follow it in a file, and what there is of each; `None` where the first is in
+    /// none. Rows that nobody needs are empty, whatever a file says of them.
+    fn read(&mut self, patches: Range<u32>) -> Option<(CompactRows, Vec<RowState>)> {
+        if !self.is_stored(patches.start) {
+            return None;
         }
+        let block = self.stored.as_mut()?.read(patches.start)?;
+        let range = block.rows.receivers();
+        let (mut rows, mut states) = (Vec::new(), Vec::new());
+        for patch in patches.start..patches.end.min(range.end) {
+            let k = (patch - range.start) as usize;
+            let (row, state) = match block.states[k] {
+                _ if self.unlit[patch as usize] => (Stored::default(), RowState::Unlit),
+                state @ RowState::Drawn(_) => (block.rows.stored(k), state),
+                RowState::Missing | RowState::Unlit => break,
+            };
+            rows.push(row);
+            states.push(state);
+        }
+        Some((CompactRows::of_stored(patches.start, &rows), states))
+    }
+
+    /// Counts a batch that has been drawn or read, and keeps it where it fits; `states` has one element per row, none of
+    /// them missing.
+    fn take_up(&mut self, batch: CompactRows, states: &[RowState]) -> &CompactRows {
+        let range = batch.receivers();
+        let unseen = &mut self.unseen[range.start as usize..range.end as usize];
+        self.received.add(&batch, |k| {
+            unseen[k].is_none() && matches!(states[k], RowState::Drawn(_))
+        });
+        for (unseen, state) in unseen.iter_mut().zip(states) {
+            if let RowState::Drawn(drawn) = state {
+                *unseen = Some(*drawn);
+            }
+        }
+        self.begin_file();
+        if let Some(stored) = &mut self.stored {
+            stored.add(&batch, states);
+        }
+        let rows = self.lit_in(&range);
         if self.statistics.kept_bytes + batch.bytes() <= self.budget_bytes {
             self.statistics.kept_bytes += batch.bytes();
             self.statistics.kept_rows += rows;
             self.statistics.kept_entries += batch.entries();
-            Ok(self.kept.entry(patch).or_insert(batch))
+            self.kept.entry(range.start).or_insert(batch)
         } else {
             self.statistics.left_out_rows += rows;
             self.statistics.left_out_bytes += batch.bytes();
             self.passing = batch;
-            Ok(&self.passing)
+            &self.passing
         }
+    }
+
+    /// Once the run has lasted long enough, begins to keep rows in a file: those that are in memory first.
+    fn begin_file(&mut self) {
+        let Some(stored) = self.stored.as_mut().filter(|stored| stored.is_due()) else {
+            return;
+        };
+        stored.begin();
+        for batch in self.kept.values() {
+            let range = batch.receivers();
+            let range = range.start as usize..range.end as usize;
+            let unseen = self.unseen[range.clone()].iter();
+            let states = unseen
+                .zip(&self.unlit[range])
+                .map(|(unseen, &unlit)| match *unseen {
+                    _ if unlit => RowState::Unlit,
+                    Some(unseen) => RowState::Drawn(unseen),
+                    None => RowState::Missing,
+                });
+            stored.add(batch, &states.collect::<Vec<_>>());
+        }
+    }
+
+    /// Has all rows in their file that are to be there, if the run has lasted long enough: at a checkpoint, and where the
+    /// run ends before it is done.
+    pub fn save(&mut self) {
+        self.begin_file();
+        if let Some(stored) = &mut self.stored {
+            stored.flush();
+        }
+    }
+
+    /// Removes the file that rows are kept in, so that its disk has room for something else; false where there is none.
+    pub fn remove_file(&mut self) -> bool {
+        self.stored.as_mut().is_some_and(StoredRows::remove)
+    }
+
+    /// What a user should know of files of rows and has not been told.
+    pub fn take_remarks(&mut self) -> Vec<RowFileRemark> {
+        let stored = self.stored.as_mut();
+        stored.map_or_else(Vec::new, StoredRows::take_remarks)
     }
 
     /// Draws the rows of consecutive patches that somebody needs; the others are empty.

@@ -102,6 +102,11 @@ pub trait RowSource: Send {
     /// What it is, for people: "cpu, 2 threads" or an adapter's name.
     fn describe(&self) -> String;
 
+    /// What of it decides the bits of the rows, as a file of them says: the same however many threads there are.
+    fn identity(&self) -> String {
+        self.backend().to_owned()
+    }
+
     /// False where the rows are formulas, see [`crate::convex`].
     fn draws_hemicubes(&self) -> bool {
         true

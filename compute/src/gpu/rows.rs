@@ -234,6 +234,11 @@ impl RowSource for GpuRows<'_> {
     fn describe(&self) -> String {
         format!("gpu, {}, {}", self.adapter(), self.raster.describe())
     }
+
+    /// All ways to raster give the same bits.
+    fn identity(&self) -> String {
+        format!("gpu, {}", self.adapter())
+    }
 }
 
 #[cfg(test)]

@@ -107,4 +107,8 @@ impl RowSource for LampRows<'_> {
     fn describe(&self) -> String {
         self.inner.describe()
     }
+
+    fn identity(&self) -> String {
+        self.inner.identity()
+    }
 }

@@ -108,6 +108,13 @@ struct Arguments {
     /// What kept form factors may take; those that do not fit are drawn again in each iteration
     #[arg(long, value_name = "SIZE", default_value = "4GiB", value_parser = parse_size)]
     memory: u64,
+    /// What the rows of form factors may take in OUT.rows, from which a run that goes on reads them instead of drawing
+    /// them again: written once a run lasts longer than --checkpoint-every, looked for beside IN and OUT; 0B: none
+    #[arg(long, value_name = "SIZE", default_value = "8GiB", value_parser = parse_size)]
+    rows_file_limit: u64,
+    /// Leave OUT.rows where it is when the run ends by its tolerance
+    #[arg(long)]
+    keep_rows: bool,
     /// Write what happened to this file, as JSON
     #[arg(long, value_name = "FILE.json")]
     report: Option<PathBuf>,
@@ -141,7 +148,8 @@ Examples:
   closure            1e-6: a patch's form factors, openings and back faces sum to 1
 It draws the rows of form factors that the run has not needed; those that a limit left out fail it too.
 
-Ctrl-C writes OUT and stops; the same command with OUT as IN goes on with the same bits.
+Ctrl-C writes OUT and stops; the same command with OUT as IN goes on with the same bits. What it has drawn is in
+OUT.rows, which goes when the run ends by its tolerance; it may be removed at any time.
 Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted (OUT is written).";
 
 /// The task from the process's arguments; ends the process with usage and code 2 where they are
@@ -207,6 +215,8 @@ fn settings(arguments: Arguments) -> Settings {
             all_rows: arguments.strict,
         },
         threads: arguments.threads.map(usize::from),
+        rows_file_limit: arguments.rows_file_limit,
+        keep_rows: arguments.keep_rows,
         report: arguments.report,
         form_factors_csv: arguments.form_factors,
         view_factors_csv: arguments.view_factors,

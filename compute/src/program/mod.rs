@@ -55,6 +55,10 @@ pub struct Settings {
     pub solve: SolveSettings,
     /// Threads of the CPU; `None`: one for each core.
     pub threads: Option<usize>,
+    /// What rows of form factors may take in a file beside the output, bytes.
+    pub rows_file_limit: u64,
+    /// Whether that file stays where nothing is left to be drawn.
+    pub keep_rows: bool,
     /// Where the report goes.
     pub report: Option<PathBuf>,
     /// Where the form factors go.

@@ -1,10 +1,11 @@
 //! A whole run of the program: load, solve with checkpoints, write, report.
 
+use std::io::ErrorKind;
 use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Context;
-use scene::file::{self, OutputLock};
+use scene::file::{self, FileError, FileFault, OutputLock};
 use scene::{Scene, Solution};
 
 use super::Settings;
@@ -13,7 +14,8 @@ use crate::cancel::CancelToken;
 use crate::form_factors::{FormFactors, Levels, Needed};
 use crate::report::{Files, Report};
 use crate::row_cache::RowCache;
-use crate::solve::{Observer, Position, Remark, Solve, SolveError};
+use crate::row_file::{self, RowFileError, RowFileRemark, RowFiles};
+use crate::solve::{Observer, Position, Remark, Solve, SolveError, StoppedBy};
 use crate::{form_factors_csv, view_factors};
 
 /// Does what was asked for, and says on standard error what a user should know on the way.
@@ -43,9 +45,15 @@ pub fn solve(settings: &Settings, cancel: &CancelToken) -> anyhow::Result<Report
 
 fn solve_and_report(settings: &Settings, cancel: &CancelToken) -> anyhow::Result<Report> {
     let start = Instant::now();
+    let row_files = RowFiles::beside(
+        &settings.input,
+        &settings.output,
+        settings.rows_file_limit,
+        settings.solve.checkpoint_every,
+    );
     let (scene, before) = file::load(&settings.input)?;
     let load = start.elapsed();
-    let rows = match write_factors(settings, &scene, cancel) {
+    let rows = match write_factors(settings, &scene, row_files.as_ref(), cancel) {
         Ok(rows) => rows,
         Err(error) if cancel.is_cancelled() => {
             // What there is of a solution is still written below.
@@ -63,6 +71,7 @@ fn solve_and_report(settings: &Settings, cancel: &CancelToken) -> anyhow::Result
         .settings(settings.solve)
         .start(before)
         .rows(rows)
+        .row_files(row_files.clone())
         .cancel(cancel)
         .observer(&mut watch)
         .run();
@@ -70,9 +79,13 @@ fn solve_and_report(settings: &Settings, cancel: &CancelToken) -> anyhow::Result
     let writing = Instant::now();
     let mut solved = match solved {
         Ok(solved) => solved,
-        Err(error) => return Err(save_before(settings, &scene, error)),
+        Err(error) => return Err(save_before(settings, &scene, row_files.as_ref(), error)),
     };
-    file::save(&settings.output, &scene, Some(solved.solution()))?;
+    let mut make_room = || make_room(row_files.as_ref());
+    save(settings, &scene, solved.solution(), &mut make_room)?;
+    if solved.stopped_by == StoppedBy::Tolerance && !settings.keep_rows {
+        remove_rows(row_files.as_ref());
+    }
     solved.seconds.write += writing.elapsed().as_secs_f64();
     solved.seconds.load = load.as_secs_f64();
     solved.seconds.finish(start.elapsed());
@@ -95,33 +108,102 @@ fn solve_and_report(settings: &Settings, cancel: &CancelToken) -> anyhow::Result
 fn write_factors<'s>(
     settings: &Settings,
     scene: &'s Scene,
+    row_files: Option<&RowFiles>,
     cancel: &CancelToken,
 ) -> anyhow::Result<Option<RowCache<'s>>> {
     if settings.form_factors_csv.is_none() && settings.view_factors_csv.is_none() {
         return Ok(None);
     }
     let solution = settings.solve.solution;
-    let form_factors =
-        FormFactors::new(scene, solution.form_factors, settings.solve.drawing).with_cancel(cancel);
+    let form_factors = FormFactors::new(scene, solution.form_factors, settings.solve.drawing)
+        .with_cancel(cancel)
+        .with_row_files(row_files.cloned());
     let mut rows = form_factors.rows(Needed::All)?;
-    if let Some(path) = &settings.form_factors_csv {
-        form_factors_csv::save(path, &mut rows)?;
+    let written = write_tables(settings, scene, &mut rows);
+    if written.is_err() {
+        rows.save();
     }
-    if let Some(path) = &settings.view_factors_csv {
-        view_factors::save(path, scene, &mut rows)?;
+    for remark in rows.take_remarks() {
+        eprintln!("compute: {}", told(&remark));
     }
+    written?;
     let is_one_level = form_factors.levels(solution.source_area) == Levels::Patches;
     Ok(is_one_level.then_some(rows))
 }
 
+fn write_tables(settings: &Settings, scene: &Scene, rows: &mut RowCache) -> Result<(), FileError> {
+    if let Some(path) = &settings.form_factors_csv {
+        form_factors_csv::save(path, rows)?;
+    }
+    if let Some(path) = &settings.view_factors_csv {
+        view_factors::save(path, scene, rows)?;
+    }
+    Ok(())
+}
+
+/// Writes a solution to the output; where the disk is full, once more after room has been made.
+fn save(
+    settings: &Settings,
+    scene: &Scene,
+    solution: &Solution,
+    make_room: &mut dyn FnMut() -> bool,
+) -> Result<(), FileError> {
+    let save = || file::save(&settings.output, scene, Some(solution));
+    match save() {
+        Err(error) if is_disk_full(&error) && make_room() => save(),
+        result => result,
+    }
+}
+
+fn is_disk_full(error: &FileError) -> bool {
+    matches!(&error.fault, FileFault::Io { source, .. } if source.kind() == ErrorKind::StorageFull)
+}
+
+/// Removes the rows beside the output where its disk is full; false where there are none.
+fn make_room(files: Option<&RowFiles>) -> bool {
+    let removed = files.filter(|&files| remove_rows(Some(files)));
+    if let Some(files) = removed {
+        let remark = RowFileRemark::removed(files.path());
+        eprintln!("compute: {}", told(&remark));
+    }
+    removed.is_some()
+}
+
+/// Removes the rows beside the output, an earlier run's too; false where there are none.
+fn remove_rows(files: Option<&RowFiles>) -> bool {
+    let removed = files.map(|files| row_file::remove(files.path()));
+    match removed {
+        // What is not of rows was told when rows were looked for.
+        None | Some(Err(RowFileError::Foreign { .. })) => false,
+        Some(Ok(is_removed)) => is_removed,
+        Some(Err(error)) => {
+            eprintln!("compute: warning: {error}");
+            false
+        }
+    }
+}
+
+/// A remark about files of rows, as it is printed.
+fn told(remark: &RowFileRemark) -> String {
+    match remark {
+        RowFileRemark::NotUsed(_) => remark.to_string(),
+        RowFileRemark::NotKept(_) => format!("warning: {remark}"),
+    }
+}
+
 /// Writes what was solved before something went wrong, and tells all of it.
-fn save_before(settings: &Settings, scene: &Scene, error: SolveError) -> anyhow::Error {
+fn save_before(
+    settings: &Settings,
+    scene: &Scene,
+    row_files: Option<&RowFiles>,
+    error: SolveError,
+) -> anyhow::Error {
     let SolveError { cause, solution } = error;
     let error = anyhow::Error::from(cause);
     let Some(solution) = solution else {
         return error;
     };
-    match file::save(&settings.output, scene, Some(&solution)) {
+    match save(settings, scene, &solution, &mut || make_room(row_files)) {
         Ok(()) => {
             let output = settings.output.display();
             error.context(format!("what was solved so far is in {output}"))
@@ -147,13 +229,14 @@ impl Observer for Watch<'_> {
         self.progress.say(&match remark {
             Remark::Start(_) => format!("compute: {input} {remark}"),
             Remark::NothingToDo(_) => format!("compute: nothing to do: {input} {remark}"),
+            Remark::RowFile(remark) => format!("compute: {}", told(remark)),
             Remark::Backend(_) | Remark::Shortage { .. } => format!("compute: {remark}"),
         });
     }
 
     /// The work goes on if it cannot be written, since the disk may have room again by the end.
-    fn checkpoint(&mut self, solution: &Solution) {
-        if let Err(error) = file::save(&self.settings.output, self.scene, Some(solution)) {
+    fn checkpoint(&mut self, solution: &Solution, make_room: &mut dyn FnMut() -> bool) {
+        if let Err(error) = save(self.settings, self.scene, solution, make_room) {
             self.progress
                 .say(&format!("compute: warning: no checkpoint: {error:#}"));
         }

@@ -45,11 +45,17 @@
 //! not synced, since a checksum covers every byte: what a power cut takes is drawn again. A file that cannot be
 //! written costs an error, which is a warning to a run, and nothing is written any more; what is there stays.
 //! What does not begin as a row file is never replaced.
+//!
+//! # In a run
+//! [`StoredRows`] is what [`crate::row_cache`] asks: it finds the rows beside the input and beside the output, and keeps
+//! those that are drawn beside the output. Files are of the rows that iterations need again and again; those by which
+//! patches gather once from coarser sources are in none.
 
 mod identity;
 mod layout;
 mod pending;
 mod read;
+mod store;
 mod write;
 
 use std::ffi::OsString;
@@ -60,6 +66,7 @@ use scene::file::{FileError, FileFault};
 
 pub use identity::{Identity, ReceiverKind};
 pub use read::RowFile;
+pub use store::{RowFileRemark, RowFiles, StoredRows, remove};
 pub use write::RowWriter;
 
 use crate::compact_rows::CompactRows;

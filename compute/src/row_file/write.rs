@@ -113,6 +113,11 @@ impl RowWriter {
         &mut self.file
     }
 
+    /// True where the row of this receiver has been written.
+    pub fn contains(&self, receiver: u32) -> bool {
+        self.file.contains(receiver)
+    }
+
     /// True once a row was left out because of the limit.
     pub fn is_full(&self) -> bool {
         self.room == Room::None

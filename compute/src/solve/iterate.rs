@@ -23,8 +23,22 @@ pub(super) enum Goal {
 const MIN_CHECKPOINT_INTERVAL: Duration = Duration::from_millis(50);
 
 impl Run<'_, '_> {
-    /// Iterates until something says stop.
+    /// Iterates until something says stop. What has been drawn is then in its file, unless nobody needs it any more.
     pub(super) fn iterate(
+        &mut self,
+        solver: &mut dyn Solver,
+        rows: &mut RowCache,
+        goal: Goal,
+    ) -> Result<StoppedBy, SolveFault> {
+        let result = self.iterate_on(solver, rows, goal);
+        if !matches!(result, Ok(StoppedBy::Tolerance)) {
+            rows.save();
+        }
+        self.tell(rows);
+        result
+    }
+
+    fn iterate_on(
         &mut self,
         solver: &mut dyn Solver,
         rows: &mut RowCache,
@@ -71,12 +85,14 @@ impl Run<'_, '_> {
                 self.observer.remark(&shortage);
                 is_shortage_said = true;
             }
+            self.tell(rows);
             self.observer.progress(&Position {
                 iterations: solver.iterations(),
                 is_gathering: goal == Goal::OnePass,
                 share_done: step.share_done,
                 residual: solver.residual(),
                 hemicubes: statistics.hemicubes,
+                rows: statistics.drawn_rows(),
                 drawing: statistics.duration,
                 rows_after,
             });
@@ -85,17 +101,27 @@ impl Run<'_, '_> {
                 self.observer.iteration(solver.iterations(), &solution);
             }
             if goal != Goal::Again && last_checkpoint.elapsed() >= interval {
-                self.checkpoint(&solver.snapshot());
+                self.checkpoint(&solver.snapshot(), rows);
                 last_checkpoint = Instant::now();
             }
         }
     }
 
-    /// Hands out what there is.
-    pub(super) fn checkpoint(&mut self, solution: &scene::Solution) {
+    /// Hands out what there is, and keeps the rows that it came from.
+    pub(super) fn checkpoint(&mut self, solution: &scene::Solution, rows: &mut RowCache) {
         let start = Instant::now();
-        self.observer.checkpoint(solution);
+        self.observer
+            .checkpoint(solution, &mut || rows.remove_file());
         self.seconds.write += start.elapsed().as_secs_f64();
+        rows.save();
+        self.tell(rows);
+    }
+
+    /// Says what is to be said about files of rows.
+    pub(super) fn tell(&mut self, rows: &mut RowCache) {
+        for remark in rows.take_remarks() {
+            self.observer.remark(&Remark::RowFile(remark));
+        }
     }
 }
 

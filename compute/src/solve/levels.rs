@@ -7,7 +7,7 @@ use visibility::Drawable;
 
 use super::iterate::Goal;
 use super::{Remark, Run, SolveError, SolveFault, Solved, SourcesReport, StoppedBy};
-use crate::form_factors::{Levels, Needed};
+use crate::form_factors::{FormFactors, Levels, Needed};
 use crate::row_cache::{RowCache, RowStatistics};
 use crate::solver::Solver;
 use crate::sources::Sources;
@@ -174,7 +174,9 @@ impl<'a> Run<'a, '_> {
         for &area in areas {
             let coarse = two_levels::sources(self.scene, area);
             let start = irradiances(irradiance, &provenance);
-            let (mut solver, mut rows) = self.open_on(&coarse, area, start)?;
+            // No file: that is of the finer sources.
+            let form_factors = self.form_factors.of_scene(&coarse).with_row_files(None);
+            let (mut solver, mut rows) = self.open_on(&form_factors, area, start)?;
             let stopped_by = self.iterate(&mut solver, &mut rows, Goal::Again)?;
             self.drawn_before = self.drawn_before.with_drawing_of(&rows.statistics());
             if !is_end(stopped_by) {
@@ -185,20 +187,21 @@ impl<'a> Run<'a, '_> {
         Ok(Again::Solved(irradiance))
     }
 
-    /// A solver among coarse sources of at most `area`, m^2, that goes on from `start`, and their rows.
+    /// A solver among coarse sources of at most `area`, m^2, whose form factors are given, that goes on from `start`, and
+    /// their rows.
     fn open_on<'s>(
         &mut self,
-        coarse: &'s Scene,
+        form_factors: &FormFactors<'s>,
         area: f64,
         start: Solution,
     ) -> Result<(OnSources<'s>, RowCache<'s>), SolveFault>
     where
         'a: 's,
     {
+        let coarse = form_factors.scene();
         let drawable = Arc::new(Drawable::new(coarse));
         let among_themselves = Sources::drawn_as(coarse, &drawable);
-        let form_factors = self.form_factors.of_scene(coarse);
-        let rows = self.open(&form_factors, among_themselves, Needed::All)?;
+        let rows = self.open(form_factors, among_themselves, Needed::All)?;
         let make = |start| self.solver(coarse, start);
         let sources = Sources::drawn_as(self.scene, &drawable);
         Ok((OnSources::new(sources, area, start, make), rows))
@@ -213,7 +216,8 @@ impl<'a> Run<'a, '_> {
         start: Solution,
         coarser: Coarser,
     ) -> Result<OfSources, SolveError> {
-        let (mut solver, mut rows) = self.open_on(coarse, area, start)?;
+        let form_factors = self.form_factors.of_scene(coarse);
+        let (mut solver, mut rows) = self.open_on(&form_factors, area, start)?;
         let result = self.iterate(&mut solver, &mut rows, Goal::ConvergenceAmongSources);
         let mut solved = OfSources {
             report: SourcesReport::new(coarse.patch_count(), area),
@@ -249,7 +253,7 @@ impl<'a> Run<'a, '_> {
         solved.rows = rows.statistics();
         self.drawn_before = self.drawn_before.with_drawing_of(&solved.rows);
         // What comes next may fail before there is anything else to write.
-        self.checkpoint(&solved.solution);
+        self.checkpoint(&solved.solution, &mut rows);
         Ok(solved)
     }
 

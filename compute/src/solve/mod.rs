@@ -20,6 +20,7 @@ use crate::energy::{self, Closure, Energy};
 use crate::form_factors::{FormFactors, Needed};
 use crate::problem::Problem;
 use crate::row_cache::{RowCache, RowStatistics};
+use crate::row_file::{RowFileRemark, RowFiles};
 use crate::rows::BackendError;
 use crate::settings::{Points, SolveSettings, SolverChoice};
 use crate::solver::convergence::Convergence;
@@ -79,6 +80,7 @@ pub struct Solve<'a> {
     observer: Option<&'a mut dyn Observer>,
     /// Rows that somebody has drawn already.
     rows: Option<RowCache<'a>>,
+    row_files: Option<RowFiles>,
 }
 
 /// A solution and what it is worth.
@@ -126,6 +128,7 @@ impl<'a> Solve<'a> {
             cancel: CancelToken::new(),
             observer: None,
             rows: None,
+            row_files: None,
         }
     }
 
@@ -185,6 +188,15 @@ impl<'a> Solve<'a> {
         self
     }
 
+    /// Looks for rows in these files, and keeps there what is drawn, so that a run that goes on need not draw it again. They
+    /// stay: once the solution is safe, [`row_file::remove`](crate::row_file::remove) takes them away. Without them no row
+    /// is written.
+    #[must_use]
+    pub fn row_files(mut self, files: Option<RowFiles>) -> Self {
+        self.row_files = files;
+        self
+    }
+
     /// Stops the run where the token says so.
     #[must_use]
     pub fn cancel(mut self, cancel: &CancelToken) -> Self {
@@ -213,10 +225,12 @@ impl<'a> Solve<'a> {
             cancel,
             observer,
             rows,
+            row_files,
         } = self;
         let form_factors =
             FormFactors::new(scene, settings.solution.form_factors, settings.drawing)
-                .with_cancel(&cancel);
+                .with_cancel(&cancel)
+                .with_row_files(row_files);
         let run = Run {
             scene,
             form_factors,
@@ -226,6 +240,7 @@ impl<'a> Solve<'a> {
             start: Instant::now(),
             seconds: Seconds::default(),
             is_remark_said: false,
+            are_files_told: false,
             drawn_before: RowStatistics::default(),
         };
         run.run(start, rows)
@@ -270,6 +285,8 @@ struct Run<'a, 'o> {
     seconds: Seconds,
     /// Whether the user knows why the back end is not another one.
     is_remark_said: bool,
+    /// Whether the user knows what files of rows there were. From then on they are this run's.
+    are_files_told: bool,
     /// Hemicubes and time of rows that are there no more: those of coarse sources.
     drawn_before: RowStatistics,
 }
@@ -336,13 +353,19 @@ impl<'a> Run<'a, '_> {
         needed: Needed,
     ) -> Result<RowCache<'s>, BackendError> {
         let opening = Instant::now();
-        let rows = form_factors.rows_to(sources, needed)?;
+        let mut rows = form_factors.rows_to(sources, needed)?;
         self.seconds.open += opening.elapsed().as_secs_f64();
         if let Some(remark) = rows.remark()
             && !std::mem::replace(&mut self.is_remark_said, true)
         {
             self.observer.remark(&Remark::Backend(remark.to_owned()));
         }
+        for remark in rows.take_remarks() {
+            if !self.are_files_told || matches!(remark, RowFileRemark::NotKept(_)) {
+                self.observer.remark(&Remark::RowFile(remark));
+            }
+        }
+        self.are_files_told = true;
         Ok(rows)
     }
 
@@ -373,6 +396,10 @@ impl<'a> Run<'a, '_> {
         let is_over = !matches!(stopped_by, StoppedBy::Interrupt | StoppedBy::TimeLimit);
         if self.settings.all_rows && is_over {
             let drawn = rows.draw_missing();
+            if drawn.is_err() || self.cancel.is_cancelled() {
+                rows.save();
+            }
+            self.tell(rows);
             drawn.map_err(|error| with(&solution, error.into()))?;
             if self.cancel.is_cancelled() {
                 stopped_by = StoppedBy::Interrupt;
@@ -382,6 +409,7 @@ impl<'a> Run<'a, '_> {
         let kept = of_sources.map_or(statistics, |(_, rows)| rows);
         let duration = statistics.duration;
         self.seconds.draw = duration.as_secs_f64();
+        self.seconds.write += statistics.files.as_secs_f64();
         self.seconds.finish(self.start.elapsed());
         let (energy, closure, back_face_share) = energy::measure(self.scene, &solution, rows);
         let residuals = &solution.provenance.residuals;
@@ -397,6 +425,8 @@ impl<'a> Run<'a, '_> {
             rows: RowStatistics {
                 hemicubes: statistics.hemicubes,
                 duration,
+                read_rows: statistics.read_rows,
+                files: statistics.files,
                 ..kept
             },
             sources: of_sources.map(|(report, _)| report),

@@ -6,6 +6,7 @@ use std::time::Duration;
 use scene::Solution;
 
 use crate::quantity::show_size;
+use crate::row_file::RowFileRemark;
 
 /// Somebody who is told how a run goes. All of it is optional.
 pub trait Observer {
@@ -19,8 +20,9 @@ pub trait Observer {
     fn iteration(&mut self, _iterations: u64, _solution: &dyn Fn() -> Solution) {}
 
     /// What there is of the solution, now and then: the run goes on from it with the same bits as if it had never
-    /// stopped.
-    fn checkpoint(&mut self, _solution: &Solution) {}
+    /// stopped. Who finds no room for it may ask `make_room`, which gives up what is only there to save time; false
+    /// where there is nothing to give up.
+    fn checkpoint(&mut self, _solution: &Solution, _make_room: &mut dyn FnMut() -> bool) {}
 }
 
 /// Who is told and does nothing.
@@ -41,6 +43,8 @@ pub struct Position {
     pub residual: Option<f64>,
     /// Hemicubes drawn in this run.
     pub hemicubes: u64,
+    /// Rows whose hemicubes they are.
+    pub rows: u64,
     /// Time spent drawing them.
     pub drawing: Duration,
     /// Rows that will have to be drawn after the iterations: those with which patches gather from coarser sources.
@@ -56,7 +60,7 @@ pub enum Remark {
     NothingToDo(u64),
     /// Why another back end draws than might be expected.
     Backend(String),
-    /// Rows do not fit the memory and are drawn again whenever they are needed.
+    /// Rows do not fit the memory and are drawn or read again whenever they are needed.
     Shortage {
         /// Rows that are kept.
         kept: u64,
@@ -65,6 +69,8 @@ pub enum Remark {
         /// What would keep all of them, bytes.
         enough: u64,
     },
+    /// Something about files of rows.
+    RowFile(RowFileRemark),
 }
 
 /// As a sentence about the start or the run.
@@ -76,9 +82,10 @@ impl Display for Remark {
             }
             Self::NothingToDo(had) => write!(f, "has had {had} iterations"),
             Self::Backend(remark) => f.write_str(remark),
+            Self::RowFile(remark) => write!(f, "{remark}"),
             Self::Shortage { kept, rows, enough } => write!(
                 f,
-                "{kept} of {rows} rows of form factors are kept, the others are drawn again whenever they are needed; \
+                "{kept} of {rows} rows of form factors are kept, the others are drawn or read again whenever they are needed; \
                  --memory {} would keep all",
                 show_size(*enough).replace(' ', "")
             ),

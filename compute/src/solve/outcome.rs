@@ -67,7 +67,7 @@ pub struct Seconds {
     pub draw: f64,
     /// Everything else of the iterations.
     pub solve: f64,
-    /// Writing results and checkpoints.
+    /// Writing results and checkpoints; reading and writing rows.
     pub write: f64,
     /// All.
     pub total: f64,
