@@ -60,6 +60,21 @@ pub fn solve(folder: &Path, arguments: &[&str]) -> Output {
     output
 }
 
+/// A failure says so in one line and leaves the folder as it was; the message is given back.
+#[track_caller]
+pub fn failure(folder: &Path, arguments: &[&str]) -> String {
+    let before = files(folder);
+    let output = compute(folder, arguments);
+    assert_eq!(output.status.code(), Some(1), "{arguments:?}: {output:?}");
+    assert_eq!(output.stdout, b"");
+    assert_eq!(files(folder), before, "{arguments:?}");
+    let message = stderr(&output);
+    assert!(message.starts_with("compute: error: "), "{message}");
+    assert_eq!(message.lines().count(), 1, "{message}");
+    assert!(!message.trim_end().ends_with('.'), "{message}");
+    message
+}
+
 /// Starts the program.
 pub fn start(folder: &Path, arguments: &[&str]) -> Child {
     program(folder, arguments)
