@@ -1,6 +1,7 @@
-//! Laws of the gpu back end, and its agreement with its twin on the cpu. Ignored without an
+//! Laws of the gpu back end, and its agreement with its twin on the cpu and with the reference. Ignored without an
 //! adapter; with `REQUIRE_GPU=1` they fail instead.
 
+mod bank;
 mod closure;
 mod lost_device;
 mod model;
@@ -20,6 +21,8 @@ use test_needs::{ExitCode, laws, run};
 
 fn main() -> ExitCode {
     run(laws![an_adapter =>
+        bank::both_rasters_see_what_the_reference_sees,
+        bank::a_moved_corner_makes_them_disagree,
         closure::walls_that_touch_without_sharing_corners_leak_nothing,
         closure::walls_that_touch_only_within_rounding_leak_nothing,
         closure::walls_seen_from_near_their_edges_leak_nothing,
