@@ -3,15 +3,16 @@
 mod common;
 
 use std::path::Path;
-
 use std::thread::sleep;
 use std::time::Duration;
 
 use common::{
-    bits, files, folder, load, save, signal, solve, start, start_endless, stderr, stdout,
-    wait_for_lock,
+    bits, files, folder, load, save, signal, solve, solve_in_parts, start, start_endless, stderr,
+    stdout, wait_for_lock,
 };
+use compute::settings::MOST_ON_ONE_LEVEL;
 use scene::{Level, Scene, Solution, State};
+use tempfile::TempDir;
 
 const SOLVERS: [&str; 3] = ["jacobi", "gauss-seidel", "shooting"];
 
@@ -67,38 +68,6 @@ fn is_unfinished(solution: &Solution) -> bool {
         || matches!(solution.provenance.level, Level::Gathering { .. })
 }
 
-/// Solves `in.rad` into `part.rad` by runs of `limit_ms` milliseconds, IN = OUT, on changing numbers of threads, until
-/// one is done: how many, and how many that left an unfinished iteration.
-fn solve_in_parts(
-    folder: &Path,
-    resolution: &str,
-    settings: &[&str],
-    mut limit_ms: f64,
-) -> (usize, usize) {
-    let part = folder.join("part.rad");
-    std::fs::copy(folder.join("in.rad"), &part).unwrap();
-    let (mut runs, mut unfinished_runs) = (0, 0);
-    loop {
-        let before = std::fs::read(&part).unwrap();
-        let limit = format!("{limit_ms}ms");
-        let threads = ["1", "2", "5"][runs % 3];
-        let limits = ["--time-limit", &limit, "--threads", threads];
-        let arguments = [&["part.rad", "part.rad", resolution][..], settings, &limits].concat();
-        let output = solve(folder, &arguments);
-        runs += 1;
-        let solution = load(folder, "part.rad");
-        unfinished_runs += usize::from(is_unfinished(&solution));
-        if !stdout(&output).contains("stopped by --time-limit") {
-            return (runs, unfinished_runs);
-        }
-        // On a busy machine loading the file may take all of the time.
-        if std::fs::read(&part).unwrap() == before {
-            limit_ms *= 1.5;
-        }
-        assert!(runs < 1000, "{limit_ms}");
-    }
-}
-
 #[test]
 fn stopped_by_time_in_mid_iteration_and_continued_is_as_never_stopped() {
     let folder = folder();
@@ -119,11 +88,13 @@ fn stopped_by_time_in_mid_iteration_and_continued_is_as_never_stopped() {
             );
             let whole = load(folder.path(), "whole.rad");
 
-            let (runs, unfinished_runs) = solve_in_parts(folder.path(), "64", &settings, 4.0);
-            println!("{solver}, {memory}: {runs} runs, {unfinished_runs} stopped in mid-iteration");
-            assert!(runs > 1, "{solver}, {memory}: never stopped");
+            let stopped = solve_in_parts(folder.path(), &[&["64"], &settings[..]].concat(), 4.0);
+            let unfinished = stopped.iter().filter(|s| is_unfinished(s)).count();
+            let runs = stopped.len();
+            println!("{solver}, {memory}: {runs} runs stopped, {unfinished} in mid-iteration");
+            assert!(runs > 0, "{solver}, {memory}: never stopped");
             assert!(
-                unfinished_runs > 0 || solver == "shooting",
+                unfinished > 0 || solver == "shooting",
                 "{solver}: not in mid-iteration"
             );
             let what = format!("{solver}, {memory}");
@@ -132,20 +103,33 @@ fn stopped_by_time_in_mid_iteration_and_continued_is_as_never_stopped() {
     }
 }
 
-/// More patches than are solved on one level by default: stopped while sources are solved, while the error that they
-/// bring is estimated, and while patches gather, or, with so few pixels that no sources are good enough, among the
-/// patches.
+/// The fewest hemicubes a patch. Views of lamps take ten times as long as all else and are made row by row.
+const QUICK: [&str; 4] = ["--points", "centroid", "--lamps", "off"];
+
+/// More patches than are solved on one level by default, in `in.rad`: files large enough that writing them takes a part of
+/// the time.
+fn folder_with_large_scene() -> TempDir {
+    let folder = folder();
+    let scene = common::colourful_room(0.001);
+    assert!(scene.patch_count() > MOST_ON_ONE_LEVEL);
+    save(folder.path(), "in.rad", &scene);
+    folder
+}
+
+/// Stopped while sources are solved, while the error that they bring is estimated, and while patches gather, or, with so
+/// few pixels that no sources are good enough, among the patches.
 #[test]
 fn stopped_among_sources_that_are_being_chosen_and_continued_is_as_never_stopped() {
-    let folder = folder();
-    save(folder.path(), "in.rad", &common::colourful_room(0.001));
+    let folder = folder_with_large_scene();
     for (resolution, tolerance) in [("8", "1e-2"), ("2", "1e-1")] {
-        let settings = ["--points", "centroid", "--tolerance", tolerance];
-        let whole = [&["in.rad", "whole.rad", resolution][..], &settings].concat();
+        let settings = [&[resolution][..], &QUICK, &["--tolerance", tolerance]].concat();
+        let whole = [&["in.rad", "whole.rad"], &settings[..]].concat();
         let output = stdout(&solve(folder.path(), &whole));
-        let (runs, unfinished_runs) = solve_in_parts(folder.path(), resolution, &settings, 600.0);
-        println!("{resolution}: {runs} runs, {unfinished_runs} stopped in mid-iteration\n{output}");
-        assert!(runs > 2 && unfinished_runs > 0, "{resolution}");
+        let stopped = solve_in_parts(folder.path(), &settings, 60.0);
+        let unfinished = stopped.iter().filter(|s| is_unfinished(s)).count();
+        let runs = stopped.len();
+        println!("{resolution}: {runs} runs stopped, {unfinished} in mid-iteration\n{output}");
+        assert!(runs > 1 && unfinished > 0, "{resolution}");
         let [whole, part] = ["whole.rad", "part.rad"].map(|name| load(folder.path(), name));
         assert_same(&part, &whole, resolution);
     }
@@ -155,14 +139,13 @@ fn stopped_among_sources_that_are_being_chosen_and_continued_is_as_never_stopped
 /// and all of them count.
 #[test]
 fn iterations_among_sources_count_when_a_gathered_solution_goes_on() {
-    let folder = folder();
-    save(folder.path(), "in.rad", &common::colourful_room(0.001));
+    let folder = folder_with_large_scene();
     let mut done = 0;
     for (input, iterations) in [("in.rad", 3), ("out.rad", 5)] {
         let limit = iterations.to_string();
-        let arguments = [input, "out.rad", "8", "--points", "centroid"];
         let limits = ["--tolerance", "0", "--iterations", &limit];
-        let output = stdout(&solve(folder.path(), &[&arguments[..], &limits].concat()));
+        let arguments = [&[input, "out.rad", "8"][..], &QUICK, &limits].concat();
+        let output = stdout(&solve(folder.path(), &arguments));
         assert!(
             output.contains("100.0 % of the patches have gathered"),
             "{output}"
@@ -180,9 +163,8 @@ fn iterations_among_sources_count_when_a_gathered_solution_goes_on() {
 /// good file; it must be one after each round, and be on its way to the same bits.
 #[test]
 fn killed_at_any_moment_the_output_is_a_whole_file_and_goes_on() {
-    let folder = folder();
-    // Some 70,000 patches: files large enough that writing them takes a part of the time.
-    save(folder.path(), "in.rad", &common::colourful_room(0.001));
+    let folder = folder_with_large_scene();
+    let arguments = [&["2", "--tolerance", "0"][..], &QUICK].concat();
     std::fs::copy(folder.path().join("in.rad"), folder.path().join("out.rad")).unwrap();
     let (mut shortest_ms, mut delay_ms) = (60, 60);
     let (mut round, mut checkpoints) = (0, 0);
@@ -190,19 +172,10 @@ fn killed_at_any_moment_the_output_is_a_whole_file_and_goes_on() {
         assert!(round < 100, "OUT is never written");
         round += 1;
         let before = std::fs::read(folder.path().join("out.rad")).unwrap();
+        let more = ["--memory", "0KiB", "--checkpoint-every", "0.05s"];
         let mut child = start(
             folder.path(),
-            &[
-                "out.rad",
-                "out.rad",
-                "2",
-                "--tolerance",
-                "0",
-                "--memory",
-                "0KiB",
-                "--checkpoint-every",
-                "0.05s",
-            ],
+            &[&["out.rad", "out.rad"], &arguments[..], &more].concat(),
         );
         wait_for_lock(folder.path(), "out.rad");
         sleep(Duration::from_millis(delay_ms));
@@ -224,18 +197,9 @@ fn killed_at_any_moment_the_output_is_a_whole_file_and_goes_on() {
     let done = load(folder.path(), "out.rad").provenance.iterations;
     let iterations = (done + 1).to_string();
     let solve = |input, output| {
-        solve(
-            folder.path(),
-            &[
-                input,
-                output,
-                "2",
-                "--iterations",
-                &iterations,
-                "--tolerance",
-                "0",
-            ],
-        );
+        let limit = ["--iterations", &iterations];
+        let arguments = [&[input, output], &arguments[..], &limit].concat();
+        solve(folder.path(), &arguments);
         load(folder.path(), output)
     };
     let whole = solve("in.rad", "whole.rad");

@@ -3,39 +3,10 @@
 mod common;
 
 use std::path::Path;
-use std::process::Command;
 
 use common::{checked_message, folder, listing, small_scene, small_solution, write};
 use scene::file::{FileFault, OutputLock, load, save, write_atomically};
 use scene::{Rgb, SceneError};
-
-/// A file system of 64 KiB for one test, unmounted at its end.
-struct SmallDisk {
-    folder: tempfile::TempDir,
-}
-
-impl SmallDisk {
-    /// `None`, reported as a skip, where mounting is not allowed.
-    fn mount(options: &str) -> Option<Self> {
-        let folder = folder();
-        let status = Command::new("mount")
-            .args(["-t", "tmpfs", "-o", options, "tmpfs"])
-            .arg(folder.path())
-            .output();
-        if status.is_ok_and(|output| output.status.success()) {
-            Some(Self { folder })
-        } else {
-            eprintln!("skipped: mounting a file system needs more rights");
-            None
-        }
-    }
-}
-
-impl Drop for SmallDisk {
-    fn drop(&mut self) {
-        Command::new("umount").arg(self.folder.path()).status().ok();
-    }
-}
 
 #[test]
 fn failed_write_leaves_the_old_file_and_nothing_else() {
@@ -65,35 +36,6 @@ fn old_file_is_whole_until_the_new_one_is() {
     .unwrap();
     assert_eq!(std::fs::metadata(&path).unwrap().len(), 5 << 20);
     assert_eq!(listing(folder.path()), ["a.rad"]);
-}
-
-#[test]
-fn full_disk_is_an_error_and_leaves_the_old_file() {
-    let Some(disk) = SmallDisk::mount("size=64k") else {
-        return;
-    };
-    let path = disk.folder.path().join("a.rad");
-    let scene = small_scene();
-    let solution = small_solution(&scene);
-    save(&path, &scene, Some(&solution)).unwrap();
-    // 2^13 patches of 12 bytes do not fit; the old file does.
-    let large = scene::Scene::new(
-        scene.materials().to_vec(),
-        scene.objects().to_vec(),
-        scene.surfaces().to_vec(),
-        &[0, 13],
-        scene.origin(),
-    )
-    .unwrap();
-    let dark = scene::Solution::dark(&large);
-    let error = save(&path, &large, Some(&dark)).unwrap_err();
-    checked_message(&error, &path);
-    assert!(
-        matches!(&error.fault, FileFault::Io { source, .. } if source.kind() == std::io::ErrorKind::StorageFull),
-        "{error}"
-    );
-    assert_eq!(load(&path).unwrap(), (scene, Some(solution)));
-    assert_eq!(listing(disk.folder.path()), ["a.rad"]);
 }
 
 #[cfg(target_os = "linux")]
@@ -130,22 +72,11 @@ fn missing_folder_is_an_error_for_lock_and_save() {
     }
 }
 
+#[cfg(unix)]
 #[test]
 fn read_only_folder_is_an_error_for_lock_and_save() {
-    // Root may write to a folder whatever its mode, but not to a read-only mount.
-    let mounted = SmallDisk::mount("ro");
-    let unprivileged = folder();
-    let folder = if let Some(disk) = &mounted {
-        disk.folder.path()
-    } else {
-        let mut mode = std::fs::metadata(unprivileged.path())
-            .unwrap()
-            .permissions();
-        mode.set_readonly(true);
-        std::fs::set_permissions(unprivileged.path(), mode).unwrap();
-        unprivileged.path()
-    };
-    let path = folder.join("a.rad");
+    let folder = folder();
+    let path = test_needs::closed_folder(folder.path()).join("a.rad");
     let lock = OutputLock::acquire(&path).unwrap_err();
     let save = save(&path, &small_scene(), None).unwrap_err();
     for error in [lock, save] {

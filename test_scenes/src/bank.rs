@@ -29,6 +29,17 @@ pub fn bank() -> Vec<(&'static str, Scene)> {
     ]
 }
 
+/// The first scene of the bank, and the same with a corner that is a hundredth of a metre off: what is held against the
+/// reference must tell them apart.
+pub fn moved_corner() -> (Scene, Scene) {
+    let (_, scene) = bank().swap_remove(0);
+    let mut surfaces = scene.surfaces().to_vec();
+    let last = surfaces.len() - 1;
+    surfaces[last].corners[0].z += 0.01;
+    let moved = crate::rooms::scene(scene.materials().to_vec(), surfaces, 0.3);
+    (scene, moved)
+}
+
 fn stones() -> Vec<Material> {
     vec![material(0.5, 0.0), material(0.3, 2.0)]
 }

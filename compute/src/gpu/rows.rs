@@ -102,6 +102,12 @@ impl<'a> GpuRows<'a> {
         self.gpu.name()
     }
 
+    /// Loses the device, as a driver does that is reset; for tests.
+    #[doc(hidden)]
+    pub fn lose_device(&self) {
+        self.gpu.device.destroy();
+    }
+
     /// The item buffer of the hemicube at `frame` of a receiver, in the layout and with the codes of
     /// [`visibility::item_buffer::HemicubeDrawer::item_buffer`]. It is read back pixel by pixel, which
     /// is slow; rows never are.
@@ -238,73 +244,5 @@ impl RowSource for GpuRows<'_> {
     /// All ways to raster give the same bits.
     fn identity(&self) -> String {
         format!("gpu, {}", self.adapter())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::settings::{FormFactorSettings, Points};
-    use glam::{DVec3, Vec3};
-    use scene::{Material, MaterialId, ObjectId, Scene, Surface};
-
-    fn scene() -> Scene {
-        let material = Material {
-            name: "grey".into(),
-            reflectance: Vec3::splat(0.5),
-            emission: Vec3::ZERO,
-        };
-        let surface = |corners| Surface {
-            corners,
-            material: MaterialId(0),
-            object: ObjectId(0),
-        };
-        let surfaces = vec![
-            surface([Vec3::ZERO, Vec3::X, Vec3::Y]),
-            surface([Vec3::Z, Vec3::Y + Vec3::Z, Vec3::X + Vec3::Z]),
-        ];
-        Scene::new(
-            vec![material],
-            vec!["two".into()],
-            surfaces,
-            &[4, 4],
-            DVec3::ZERO,
-        )
-        .unwrap()
-    }
-
-    #[test]
-    fn a_lost_device_is_an_error_from_then_on_and_no_panic() {
-        let scene = scene();
-        let settings = FormFactorSettings {
-            points: Points::CENTROID,
-            ..FormFactorSettings::new(20)
-        };
-        let hemicubes = Arc::new(Hemicubes::new(&scene, settings));
-        let mut rows = match GpuRows::new(&hemicubes, AdapterChoice::Any) {
-            Ok(rows) => rows,
-            Err(BackendError::NoAdapter)
-                if std::env::var_os("REQUIRE_GPU").is_none_or(|value| value != "1") =>
-            {
-                eprintln!("skipped: there is no GPU adapter");
-                return;
-            }
-            Err(error) => panic!("{error}"),
-        };
-        assert_eq!(rows.draw_rows(0..4).unwrap().receivers(), 0..4);
-        rows.gpu.device.destroy();
-        for _ in 0..3 {
-            let lost = rows.draw_rows(4..8);
-            assert!(
-                matches!(lost, Err(BackendError::DeviceLost { .. })),
-                "{lost:?}"
-            );
-        }
-        let frame = hemicubes.receivers().frames(ReceiverId(0))[0];
-        let lost = rows.item_buffer(ReceiverId(0), &frame);
-        assert!(
-            matches!(lost, Err(BackendError::DeviceLost { .. })),
-            "{lost:?}"
-        );
     }
 }

@@ -60,6 +60,45 @@ pub fn solve(folder: &Path, arguments: &[&str]) -> Output {
     output
 }
 
+/// A failure says so in one line and leaves the folder as it was; the message is given back.
+#[track_caller]
+pub fn failure(folder: &Path, arguments: &[&str]) -> String {
+    let before = files(folder);
+    let output = compute(folder, arguments);
+    assert_eq!(output.status.code(), Some(1), "{arguments:?}: {output:?}");
+    assert_eq!(output.stdout, b"");
+    assert_eq!(files(folder), before, "{arguments:?}");
+    let message = stderr(&output);
+    assert!(message.starts_with("compute: error: "), "{message}");
+    assert_eq!(message.lines().count(), 1, "{message}");
+    assert!(!message.trim_end().ends_with('.'), "{message}");
+    message
+}
+
+/// Solves `in.rad` into `part.rad` by runs that are stopped, IN = OUT, on changing numbers of threads, until one is done;
+/// gives what the others have left. The first lasts `limit_ms` milliseconds, each other a tenth longer than the one before
+/// it. So they stop at ever other moments, and some of them suffice, although each loads the file, and one among sources
+/// solves the coarser ones once more.
+pub fn solve_in_parts(folder: &Path, settings: &[&str], mut limit_ms: f64) -> Vec<Solution> {
+    std::fs::copy(folder.join("in.rad"), folder.join("part.rad")).unwrap();
+    let mut stopped = Vec::new();
+    loop {
+        let limit = format!("{limit_ms}ms");
+        let threads = ["1", "2", "5"][stopped.len() % 3];
+        let limits = ["--time-limit", &limit, "--threads", threads];
+        let output = solve(
+            folder,
+            &[&["part.rad", "part.rad"], settings, &limits].concat(),
+        );
+        if !stdout(&output).contains("stopped by --time-limit") {
+            return stopped;
+        }
+        stopped.push(load(folder, "part.rad"));
+        limit_ms *= 1.1;
+        assert!(stopped.len() < 200, "{limit_ms}");
+    }
+}
+
 /// Starts the program.
 pub fn start(folder: &Path, arguments: &[&str]) -> Child {
     program(folder, arguments)

@@ -54,9 +54,7 @@ fn assert_closed(name: &str, scene: &Scene, resolution: u32, points: Points) {
         points,
         ..settings(resolution)
     };
-    let Some(mut gpu) = open(scene, settings) else {
-        return;
-    };
+    let mut gpu = open(scene, settings);
     let patches = scene.patch_count();
     assert!(patches >= 100, "{name}: {patches}");
     let rows = gpu.draw_rows(0..patches).unwrap();
@@ -68,8 +66,7 @@ fn assert_closed(name: &str, scene: &Scene, resolution: u32, points: Points) {
     );
 }
 
-#[test]
-fn walls_that_touch_without_sharing_corners_leak_nothing() {
+pub fn walls_that_touch_without_sharing_corners_leak_nothing() {
     for (name, model) in rooms() {
         let scene = upright(&model).scene(MAX_AREA);
         for resolution in [2, 16, 100, 128] {
@@ -80,8 +77,7 @@ fn walls_that_touch_without_sharing_corners_leak_nothing() {
 
 /// Their corners are rounded to f32 after they are turned, so that they lie beside their neighbours'
 /// edges by that much.
-#[test]
-fn walls_that_touch_only_within_rounding_leak_nothing() {
+pub fn walls_that_touch_only_within_rounding_leak_nothing() {
     for (name, model) in rooms() {
         let scene = model.scene(MAX_AREA);
         for resolution in [2, 16, 100, 128] {
@@ -91,8 +87,7 @@ fn walls_that_touch_only_within_rounding_leak_nothing() {
 }
 
 /// Eyes near edges and near the planes of other walls, which are then seen at grazing angles.
-#[test]
-fn walls_seen_from_near_their_edges_leak_nothing() {
+pub fn walls_seen_from_near_their_edges_leak_nothing() {
     for (name, model) in rooms() {
         assert_closed(name, &model.scene(MAX_AREA), 100, Points::Vertices);
         assert_closed(name, &upright(&model).scene(0.1), 100, Points::Vertices);
@@ -100,8 +95,7 @@ fn walls_seen_from_near_their_edges_leak_nothing() {
 }
 
 /// No ray passes between two triangles of a sheet whose back is seen.
-#[test]
-fn backs_of_a_closed_body_hide_everything() {
+pub fn backs_of_a_closed_body_hide_everything() {
     for is_upright in [true, false] {
         let model = Model {
             is_upright,
@@ -112,9 +106,7 @@ fn backs_of_a_closed_body_hide_everything() {
         assert!(end >= 100, "{end}");
         for resolution in [2, 100, 128] {
             let settings = settings(resolution);
-            let Some(mut gpu) = open(&scene, settings) else {
-                return;
-            };
+            let mut gpu = open(&scene, settings);
             let rows = gpu.draw_rows(0..end).unwrap();
             for k in 0..end as usize {
                 let unseen = rows.unseen(k);
@@ -128,8 +120,7 @@ fn backs_of_a_closed_body_hide_everything() {
 /// A room without a ceiling lets out what it should: fronts are drawn too large by d = sqrt(3) times
 /// their outset, which seldom comes to a pixel. A rim of length l at a distance r hides d l / (pi r^2)
 /// times two cosines more than on the cpu; the cosines over r^2 are below 1 / m^2 in the mean.
-#[test]
-fn an_opening_is_as_large_as_the_cpu_sees_it() {
+pub fn an_opening_is_as_large_as_the_cpu_sees_it() {
     let rim = 2.0 * (ROOM[1].x + ROOM[1].y);
     for is_upright in [true, false] {
         let mut model = Model {
@@ -146,9 +137,7 @@ fn an_opening_is_as_large_as_the_cpu_sees_it() {
         let tolerance = outset * rim / std::f64::consts::PI;
         for resolution in [16, 100, 128] {
             let settings = settings(resolution);
-            let Some(mut gpu) = open(&scene, settings) else {
-                return;
-            };
+            let mut gpu = open(&scene, settings);
             let mut cpu = CpuRows::new(&Arc::new(Hemicubes::new(&scene, settings)));
             let patches = scene.patch_count();
             let (on_gpu, on_cpu) = (

@@ -54,9 +54,7 @@ fn assert_rows_are_their_item_buffers_sums(
     settings: FormFactorSettings,
     patches: std::ops::Range<u32>,
 ) {
-    let Some(mut gpu) = open(scene, settings) else {
-        return;
-    };
+    let mut gpu = open(scene, settings);
     let rows = gpu.draw_rows(patches.clone()).unwrap();
     assert_eq!(rows.receivers(), patches);
     for (k, patch) in patches.enumerate() {
@@ -74,8 +72,7 @@ fn assert_rows_are_their_item_buffers_sums(
     }
 }
 
-#[test]
-fn rows_are_the_sums_of_their_item_buffers_to_the_bit() {
+pub fn rows_are_the_sums_of_their_item_buffers_to_the_bit() {
     let scene = ruin().scene(0.05);
     for (resolution, points, maps) in [
         (2, Points::CENTROID, Maps::Exact),
@@ -95,15 +92,13 @@ fn rows_are_the_sums_of_their_item_buffers_to_the_bit() {
 }
 
 /// A tile of it is more than the budget of an atlas, and its picture is taller than any texture.
-#[test]
-fn a_hemicube_larger_than_a_texture_is_drawn_in_parts() {
+pub fn a_hemicube_larger_than_a_texture_is_drawn_in_parts() {
     let scene = ruin().scene(0.5);
     assert_rows_are_their_item_buffers_sums(&scene, settings(3000), 3..4);
 }
 
 /// Rows over several blocks and workgroups, with gaps between their entries.
-#[test]
-fn rows_of_half_a_million_patches_are_complete() {
+pub fn rows_of_half_a_million_patches_are_complete() {
     let scene = ruin().scene(1.2e-4);
     assert!(
         (300_000..1_000_000).contains(&scene.patch_count()),
@@ -114,8 +109,7 @@ fn rows_of_half_a_million_patches_are_complete() {
     assert_rows_are_their_item_buffers_sums(&scene, settings(100), first..first + 3);
 }
 
-#[test]
-fn closed_room_sees_itself_completely() {
+pub fn closed_room_sees_itself_completely() {
     let mut empty = room();
     empty.triangles.truncate(12);
     for model in [empty, room_with_boxes_at(0.01)] {
@@ -125,9 +119,7 @@ fn closed_room_sees_itself_completely() {
                 points,
                 ..settings(100)
             };
-            let Some(mut gpu) = open(&scene, settings) else {
-                return;
-            };
+            let mut gpu = open(&scene, settings);
             let rows = gpu.draw_rows(0..scene.patch_count()).unwrap();
             for k in 0..rows.receivers().len() {
                 assert_eq!(rows.unseen(k), Unseen::default(), "{points}, patch {k}");
@@ -144,12 +136,9 @@ fn closed_room_sees_itself_completely() {
     }
 }
 
-#[test]
-fn rows_depend_on_no_batch_size_and_on_no_run() {
+pub fn rows_depend_on_no_batch_size_and_on_no_run() {
     let scene = ruin().scene(0.05);
-    let Some(mut gpu) = open(&scene, settings(100)) else {
-        return;
-    };
+    let mut gpu = open(&scene, settings(100));
     let all = gpu.draw_rows(0..40).unwrap();
     for size in [1, 7, 40] {
         let mut again = RowBatch::new(0);
@@ -159,9 +148,7 @@ fn rows_depend_on_no_batch_size_and_on_no_run() {
         }
         assert!(again == all, "in batches of {size}");
     }
-    let Some(mut other) = open(&scene, settings(100)) else {
-        return;
-    };
+    let mut other = open(&scene, settings(100));
     assert!(other.draw_rows(0..40).unwrap() == all, "in another run");
     assert!(other.preferred_batch() >= 1);
     assert!(
@@ -171,11 +158,8 @@ fn rows_depend_on_no_batch_size_and_on_no_run() {
     );
 }
 
-#[test]
-fn no_rows_are_asked_for_and_none_come() {
+pub fn no_rows_are_asked_for_and_none_come() {
     let scene = room().scene(f64::INFINITY);
-    let Some(mut gpu) = open(&scene, settings(2)) else {
-        return;
-    };
+    let mut gpu = open(&scene, settings(2));
     assert_eq!(gpu.draw_rows(5..5).unwrap(), RowBatch::new(5));
 }
