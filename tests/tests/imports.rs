@@ -191,7 +191,7 @@ const VISIBILITY: [&[&str]; 6] = [
         "affine", "frame", "hemicube", "outcode", "regions", "rounding", "runs", "vectors",
         "window",
     ],
-    &["buffer", "geometry", "eye", "horizon"],
+    &["buffer", "geometry", "eye"],
     &["spans"],
     &["specks", "rays", "look_up"],
     &["drawable", "view", "picture", "facets"],

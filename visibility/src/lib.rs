@@ -48,7 +48,6 @@ pub mod facets;
 mod frame;
 mod geometry;
 pub mod hemicube;
-mod horizon;
 pub mod item_buffer;
 mod look_up;
 mod outcode;

@@ -23,7 +23,6 @@ use glam::DVec3;
 use crate::buffer::Seen;
 use crate::eye::{Cull, Standpoint};
 use crate::geometry::Geometry;
-use crate::horizon::Horizon;
 use crate::rounding::margin;
 use crate::{Frame, outcode};
 
@@ -68,8 +67,6 @@ pub(crate) struct Projection {
     vertices: [Vec<f64>; 3],
     /// One per vertex.
     outcodes: Vec<u32>,
-    /// What may be seen.
-    pub horizon: Horizon,
 }
 
 impl Projection {
@@ -83,7 +80,6 @@ impl Projection {
             edges: Vec::new(),
             vertices: [(); 3].map(|()| vec![0.0; count]),
             outcodes: vec![0; count],
-            horizon: Horizon::default(),
         }
     }
 
@@ -99,14 +95,7 @@ impl Projection {
     pub fn set(&mut self, at: &Standpoint) {
         self.clear();
         self.turn_all(at);
-        let mut seen = std::mem::take(&mut self.horizon);
-        if at.has_horizon {
-            seen.find(at.geometry, &at.frame, at.reach);
-        } else {
-            seen.open(at.geometry);
-        }
-        dispatch!(self.level, simd => set_regions(simd, self, at, seen.regions()));
-        self.horizon = seen;
+        dispatch!(self.level, simd => set_all(simd, self, at));
     }
 
     /// The same for some regions only.
@@ -168,6 +157,17 @@ impl Projection {
         } = self;
         let geometry = at.geometry;
         let facts = &geometry.facts[region as usize];
+        let regions = &geometry.regions;
+        let of_region = regions.regions()[region as usize].pieces.clone();
+        let outcode_of = |piece: u32| {
+            let ids = regions.corners(piece as usize).iter();
+            ids.fold(u32::MAX, |bits, &id| bits & outcodes[id as usize])
+        };
+        let is_below = |common: u32| at.has_horizon && common & outcode::NOT_ABOVE_HORIZON != 0;
+        // Before the plane is asked for: what is below the horizon costs no more than this.
+        if of_region.clone().all(|piece| is_below(outcode_of(piece))) {
+            return;
+        }
         let Some(plane) = at.plane(facts) else {
             return;
         };
@@ -176,16 +176,13 @@ impl Projection {
             return;
         }
         let sign = if is_back_face { 1.0 } else { -1.0 };
-        let regions = &geometry.regions;
-        for piece in regions.regions()[region as usize].pieces.clone() {
+        for piece in of_region {
             let ids = regions.corners(piece as usize);
-            let common = ids
-                .iter()
-                .fold(u32::MAX, |bits, &id| bits & outcodes[id as usize]);
+            let common = outcode_of(piece);
+            if is_below(common) {
+                continue;
+            }
             if at.has_horizon {
-                if common & outcode::NOT_ABOVE_HORIZON != 0 {
-                    continue;
-                }
                 let height = ids
                     .iter()
                     .fold(f64::MIN, |height, &id| height.max(z[id as usize]));
@@ -250,10 +247,10 @@ impl Projected {
     }
 }
 
-/// Sets up the pieces of some regions, whose vertices are in the frame, the eye's own excepted.
+/// Sets up the pieces of all regions, whose vertices are in the frame, the eye's own excepted.
 #[simd]
-fn set_regions<S: Simd>(simd: S, projection: &mut Projection, at: &Standpoint, regions: &[u32]) {
-    for &region in regions {
+fn set_all<S: Simd>(simd: S, projection: &mut Projection, at: &Standpoint) {
+    for region in 0..at.geometry.facts.len() as u32 {
         if at.own != Some(region) {
             projection.set_region(at, region);
         }
