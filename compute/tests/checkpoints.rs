@@ -140,7 +140,13 @@ fn stopped_among_sources_that_are_being_chosen_and_continued_is_as_never_stopped
     let folder = folder();
     save(folder.path(), "in.rad", &common::colourful_room(0.001));
     for (resolution, tolerance) in [("8", "1e-2"), ("2", "1e-1")] {
-        let settings = ["--points", "centroid", "--tolerance", tolerance];
+        // As often, so that rows are kept in a file, of one sources after the other's.
+        let checkpoints = ["--checkpoint-every", "50ms"];
+        let settings = [
+            &["--points", "centroid", "--tolerance", tolerance][..],
+            &checkpoints,
+        ]
+        .concat();
         let whole = [&["in.rad", "whole.rad", resolution][..], &settings].concat();
         let output = stdout(&solve(folder.path(), &whole));
         let (runs, unfinished_runs) = solve_in_parts(folder.path(), resolution, &settings, 600.0);
