@@ -347,10 +347,15 @@ impl<'a> RowCache<'a> {
         }
     }
 
-    /// Has all rows in their file that are to be there, if the run has lasted long enough: at a checkpoint, and where the
-    /// run ends before it is done.
+    /// Has all rows in their file, if the run has lasted long enough: at a checkpoint, and where the run ends before it is
+    /// done.
     pub fn save(&mut self) {
         self.begin_file();
+        self.flush();
+    }
+
+    /// The same where the run is done, and a file that has not been begun is not worth it any more.
+    pub fn flush(&mut self) {
         if let Some(stored) = &mut self.stored {
             stored.flush();
         }

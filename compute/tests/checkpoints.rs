@@ -122,7 +122,9 @@ fn folder_with_large_scene() -> TempDir {
 fn stopped_among_sources_that_are_being_chosen_and_continued_is_as_never_stopped() {
     let folder = folder_with_large_scene();
     for (resolution, tolerance) in [("8", "1e-2"), ("2", "1e-1")] {
-        let settings = [&[resolution][..], &QUICK, &["--tolerance", tolerance]].concat();
+        // As often, so that rows are kept in a file, of one sources after the other's.
+        let often = ["--tolerance", tolerance, "--checkpoint-every", "50ms"];
+        let settings = [&[resolution][..], &QUICK, &often].concat();
         let whole = [&["in.rad", "whole.rad"], &settings[..]].concat();
         let output = stdout(&solve(folder.path(), &whole));
         let stopped = solve_in_parts(folder.path(), &settings, 60.0);

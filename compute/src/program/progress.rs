@@ -29,8 +29,9 @@ pub struct Progress {
     iteration_start: Instant,
     /// Share of it that was done before.
     share_before: f64,
-    /// How long the iteration before took.
+    /// How long the iteration before took, if it was not the first: that one draws rows, which then may be kept.
     last_iteration: Option<Duration>,
+    is_first_iteration: bool,
     is_gathering: bool,
     /// Iterations and residual when the last iteration ended, and the residual before that.
     seen: (u64, Option<f64>, Option<f64>),
@@ -56,6 +57,7 @@ impl Progress {
             iteration_start: now,
             share_before: before.map_or(0.0, Solution::next_iteration_share),
             last_iteration: None,
+            is_first_iteration: true,
             is_gathering: false,
             seen: (iterations, residual, None),
         }
@@ -86,11 +88,13 @@ impl Progress {
         // Among other sources iterations are counted anew.
         let is_next_iteration = position.iterations == self.seen.0.saturating_add(1);
         if is_next_iteration && !is_next_stage {
-            self.last_iteration = Some(elapsed);
+            self.last_iteration = (!self.is_first_iteration).then_some(elapsed);
+            self.is_first_iteration = false;
             self.share_before = 0.0;
             position.share_done = 0.0;
         } else {
             self.last_iteration = None;
+            self.is_first_iteration = true;
             self.share_before = position.share_done;
         }
         self.seen = (position.iterations, position.residual, self.seen.1);

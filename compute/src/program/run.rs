@@ -122,6 +122,8 @@ fn write_factors<'s>(
     let written = write_tables(settings, scene, &mut rows);
     if written.is_err() {
         rows.save();
+    } else {
+        rows.flush();
     }
     for remark in rows.take_remarks() {
         eprintln!("compute: {}", told(&remark));

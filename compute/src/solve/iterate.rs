@@ -23,7 +23,7 @@ pub(super) enum Goal {
 const MIN_CHECKPOINT_INTERVAL: Duration = Duration::from_millis(50);
 
 impl Run<'_, '_> {
-    /// Iterates until something says stop. What has been drawn is then in its file, unless nobody needs it any more.
+    /// Iterates until something says stop. What has been drawn is then in its file, if there is one.
     pub(super) fn iterate(
         &mut self,
         solver: &mut dyn Solver,
@@ -31,7 +31,9 @@ impl Run<'_, '_> {
         goal: Goal,
     ) -> Result<StoppedBy, SolveFault> {
         let result = self.iterate_on(solver, rows, goal);
-        if !matches!(result, Ok(StoppedBy::Tolerance)) {
+        if matches!(result, Ok(StoppedBy::Tolerance)) {
+            rows.flush();
+        } else {
             rows.save();
         }
         self.tell(rows);

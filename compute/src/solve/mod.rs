@@ -398,6 +398,8 @@ impl<'a> Run<'a, '_> {
             let drawn = rows.draw_missing();
             if drawn.is_err() || self.cancel.is_cancelled() {
                 rows.save();
+            } else {
+                rows.flush();
             }
             self.tell(rows);
             drawn.map_err(|error| with(&solution, error.into()))?;
