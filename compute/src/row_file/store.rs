@@ -4,7 +4,7 @@ use std::fmt::{Display, Formatter};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use scene::file::{OutputLock, is_same_file};
+use scene::file::is_same_file;
 
 use super::read::{begins_as_rows, open_if_any};
 use super::{
@@ -287,7 +287,6 @@ pub fn remove(path: &Path) -> Result<bool, RowFileError> {
         return Err(RowFileError::Foreign { path });
     }
     drop(file);
-    let _lock = OutputLock::acquire(path)?;
     std::fs::remove_file(path).map_err(fail)?;
     Ok(true)
 }

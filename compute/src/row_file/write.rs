@@ -4,8 +4,6 @@ use std::fs::File;
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::Path;
 
-use scene::file::OutputLock;
-
 use super::layout::Header;
 use super::pending::Pending;
 use super::read::{begins_as_rows, open_if_any};
@@ -16,7 +14,7 @@ use crate::compact_rows::CompactRows;
 /// and parts of blocks are then written as they are. Not tuned: small beside what a run takes otherwise.
 const MOST_PENDING_BYTES: u64 = 64 << 20;
 
-/// A file that rows are added to, locked against other writers for as long as this lives.
+/// A file that rows are added to, by who holds the lock of the output that it is beside ([`scene::file::OutputLock`]).
 ///
 /// A row is written when all of its block are there, or with [`Self::flush`], or when many wait; what waits when this is
 /// dropped is lost. After an error nothing is written any more, and what was written stays.
@@ -26,7 +24,6 @@ pub struct RowWriter {
     limit_bytes: u64,
     pending: Pending,
     room: Room,
-    _lock: OutputLock,
 }
 
 /// Whether rows can be added.
@@ -43,13 +40,12 @@ impl RowWriter {
     /// Makes a file without rows, of at most so many bytes once it has any. Another row file of the name is replaced.
     ///
     /// # Errors
-    /// [`RowFileError::File`], also where another program holds the file, and [`RowFileError::Foreign`].
+    /// [`RowFileError::File`] and [`RowFileError::Foreign`].
     pub fn create(
         path: &Path,
         identity: &Identity,
         limit_bytes: u64,
     ) -> Result<Self, RowFileError> {
-        let lock = OutputLock::acquire(path)?;
         let fail = |source| RowFileError::io(path, "write", source);
         let file = match open_if_any(path, true)? {
             Some(file) if begins_as_rows(&file).map_err(fail)? => file,
@@ -74,20 +70,19 @@ impl RowWriter {
                 fail(source)
             })?;
         let file = RowFile::empty(path, file, identity, header.len() as u64);
-        Ok(Self::new(file, limit_bytes, lock))
+        Ok(Self::new(file, limit_bytes))
     }
 
     /// Opens a file to add rows of the same identity, and takes away what a killed program has left of a record;
     /// `None` where there is no file.
     ///
     /// # Errors
-    /// As [`RowFile::open`], and where another program holds the file.
+    /// As [`RowFile::open`].
     pub fn open(
         path: &Path,
         identity: &Identity,
         limit_bytes: u64,
     ) -> Result<Option<Self>, RowFileError> {
-        let lock = OutputLock::acquire(path)?;
         let Some(file) = open_if_any(path, true)? else {
             return Ok(None);
         };
@@ -95,16 +90,15 @@ impl RowWriter {
         rows.file
             .set_len(rows.end)
             .map_err(|source| RowFileError::io(path, "write", source))?;
-        Ok(Some(Self::new(rows, limit_bytes, lock)))
+        Ok(Some(Self::new(rows, limit_bytes)))
     }
 
-    fn new(file: RowFile, limit_bytes: u64, lock: OutputLock) -> Self {
+    fn new(file: RowFile, limit_bytes: u64) -> Self {
         Self {
             file,
             limit_bytes,
             pending: Pending::default(),
             room: Room::Some,
-            _lock: lock,
         }
     }
 
@@ -177,7 +171,7 @@ impl RowWriter {
     /// # Errors
     /// Where that cannot be.
     pub fn remove(self) -> Result<(), RowFileError> {
-        let Self { file, _lock, .. } = self;
+        let Self { file, .. } = self;
         let path = file.path.clone();
         // Not every system removes what is open.
         drop(file);
