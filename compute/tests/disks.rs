@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{compute, failure, files, folder_with_room, load, solve, stderr};
+use common::{bits, compute, failure, files, folder, folder_with_room, load, save, solve, stderr};
 use test_needs::{ExitCode, SmallDisk, laws, run};
 
 fn an_output_on_a_read_only_disk_is_named_and_stays() {
@@ -64,9 +64,48 @@ fn on_a_full_disk_the_output_stays_as_it_was() {
     load(folder.path(), "here.rad");
 }
 
+fn a_disk_that_rows_fill_costs_a_warning_and_not_the_result() {
+    let folder = folder();
+    save(folder.path(), "in.rad", &common::colourful_room(0.1));
+    // Many hemicubes a patch, so that drawing takes many checkpoint intervals.
+    let settings = ["64", "--points", "4", "--checkpoint-every", "50ms"];
+    let arguments = |output| [&["in.rad", output][..], &settings].concat();
+    solve(folder.path(), &arguments("whole.rad"));
+
+    let disk = SmallDisk::mount(folder.path(), "256k");
+    let output = compute(
+        folder.path(),
+        &[&arguments("disk/out.rad")[..], &["--keep-rows"]].concat(),
+    );
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let said = stderr(&output);
+    // How far it is, a busy machine has it say too.
+    let said: Vec<_> = said
+        .lines()
+        .filter(|line| !line.starts_with("compute: iteration "))
+        .collect();
+    assert!(
+        said.iter()
+            .all(|line| line.starts_with("compute: warning: disk/out.rad.rows")),
+        "{said:?}"
+    );
+    assert_eq!(said.len(), 2, "{said:?}");
+    assert!(said[0].contains("cannot write: "), "{said:?}");
+    assert!(
+        said[1].contains("removed, since there is no room for the result"),
+        "{said:?}"
+    );
+    assert_eq!(files(disk.path()), ["out.rad"]);
+    let [here, there] = [(folder.path(), "whole.rad"), (disk.path(), "out.rad")]
+        .map(|(folder, name)| load(folder, name));
+    assert!(bits(&there.irradiance) == bits(&here.irradiance));
+    assert_eq!(there.provenance, here.provenance);
+}
+
 fn main() -> ExitCode {
     run(laws![SmallDisk::can_be_mounted =>
         an_output_on_a_read_only_disk_is_named_and_stays,
         on_a_full_disk_the_output_stays_as_it_was,
+        a_disk_that_rows_fill_costs_a_warning_and_not_the_result,
     ])
 }

@@ -3,13 +3,10 @@
 mod common;
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::thread::sleep;
 use std::time::Duration;
 
-use common::{
-    bits, compute, files, folder, load, save, signal, solve, start, stderr, stdout, wait_until,
-};
+use common::{bits, files, folder, load, save, signal, solve, start, stderr, stdout, wait_until};
 use scene::{Scene, Solution};
 use serde_json::Value;
 
@@ -382,63 +379,4 @@ fn a_run_shorter_than_a_checkpoint_interval_writes_no_rows() {
         ],
     );
     assert_eq!(files(folder.path()), ["in.rad", "out.rad"]);
-}
-
-/// A small file system in memory over a folder, until the end of the test.
-struct SmallDisk(PathBuf);
-
-impl SmallDisk {
-    /// `None`, and a line that says so, where this user may not mount.
-    fn new(folder: &Path, size: &str) -> Option<Self> {
-        let path = folder.join("disk");
-        std::fs::create_dir(&path).unwrap();
-        let mounted = Command::new("mount")
-            .args(["-t", "tmpfs", "-o", &format!("size={size}"), "none"])
-            .arg(&path)
-            .output();
-        if mounted.is_ok_and(|output| output.status.success()) {
-            Some(Self(path))
-        } else {
-            eprintln!("skipped: a small disk needs the right to mount");
-            None
-        }
-    }
-}
-
-impl Drop for SmallDisk {
-    fn drop(&mut self) {
-        Command::new("umount").arg(&self.0).status().ok();
-    }
-}
-
-#[test]
-fn a_disk_that_rows_fill_costs_a_warning_and_not_the_result() {
-    let folder = folder();
-    whole(folder.path(), &[]);
-    let Some(disk) = SmallDisk::new(folder.path(), "256k") else {
-        return;
-    };
-    let output = compute(
-        folder.path(),
-        &arguments("in.rad", "disk/out.rad", &["--keep-rows"]),
-    );
-    assert_eq!(output.status.code(), Some(0), "{output:?}");
-    let said = told(&output);
-    assert!(
-        said.lines()
-            .all(|line| line.starts_with("compute: warning: disk/out.rad.rows")),
-        "{said}"
-    );
-    assert!(said.contains("cannot write: "), "{said}");
-    assert!(
-        said.contains("removed, since there is no room for the result"),
-        "{said}"
-    );
-    assert_eq!(said.lines().count(), 2, "{said}");
-    assert!(
-        stdout(&output).contains("converged to the tolerance"),
-        "{output:?}"
-    );
-    assert_same(&load(&disk.0, "out.rad"), &load(folder.path(), "whole.rad"));
-    assert_eq!(files(&disk.0), ["out.rad"]);
 }

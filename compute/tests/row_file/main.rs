@@ -1,197 +1,18 @@
 //! Laws of row files: what is read is what was written, whatever happened to the file.
 
+mod rows;
+
 use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::LazyLock;
 
-use compute::compact_rows::{CompactRows, Exact};
 use compute::row_file::{BLOCK, Identity, RowFile, RowFileError, RowState, RowWriter};
-use compute::rows::{Entry, Row, RowBatch, Unseen};
-use glam::{DVec3, Vec3};
 use proptest::collection::vec;
 use proptest::prelude::*;
-use scene::file::{FileFault, OutputLock};
-use scene::{Material, MaterialId, ObjectId, Rgb, Scene, Surface};
 use serde_json::json;
 use tempfile::TempDir;
 
-/// Not a whole number of blocks: 2^7 + 2^3.
-const RECEIVERS: u32 = 136;
-const BLOCKS: u32 = RECEIVERS.div_ceil(BLOCK);
-
-/// More than a block's header can skip: 2^13 + 2^3.
-const SOURCES: u32 = 8200;
-
-/// Two surfaces with so many bisections.
-fn scene(depths: [u32; 2]) -> Scene {
-    let material = |emission| Material {
-        name: String::new(),
-        reflectance: Rgb::splat(0.5),
-        emission,
-    };
-    let surface = |k: u32| {
-        let z = k as f32;
-        Surface {
-            corners: [
-                Vec3::new(1.0, 0.0, z),
-                Vec3::new(0.0, 1.0, z),
-                Vec3::new(0.0, 0.0, z),
-            ],
-            material: MaterialId(k),
-            object: ObjectId(0),
-        }
-    };
-    Scene::new(
-        vec![material(Rgb::ZERO), material(Rgb::ONE)],
-        vec![String::new()],
-        vec![surface(0), surface(1)],
-        &depths,
-        DVec3::ZERO,
-    )
-    .unwrap()
-}
-
-/// The scenes of receivers and of sources.
-fn scenes() -> [Scene; 2] {
-    let scenes = [scene([7, 3]), scene([13, 3])];
-    assert_eq!(
-        scenes.each_ref().map(Scene::patch_count),
-        [RECEIVERS, SOURCES]
-    );
-    scenes
-}
-
-static IDENTITY: LazyLock<Identity> = LazyLock::new(|| {
-    let [receivers, sources] = scenes();
-    Identity::new(&receivers, &sources, &json!({"resolution": 64}), "cpu")
-});
-
-static EXACT: LazyLock<Exact> = LazyLock::new(|| Exact::new(&scenes()[1].patch_emissions()));
-
-/// Rows of all receivers, and what there is of each.
-#[derive(Clone, Debug)]
-struct Rows {
-    /// One per receiver.
-    rows: Vec<Row>,
-    /// One per receiver.
-    states: Vec<RowState>,
-}
-
-impl Rows {
-    /// The rows of some receivers, as they are kept: empty where they are not drawn.
-    fn batch(&self, receivers: std::ops::Range<u32>) -> (CompactRows, &[RowState]) {
-        let range = receivers.start as usize..receivers.end as usize;
-        let rows = self.rows[range.clone()]
-            .iter()
-            .zip(&self.states[range.clone()]);
-        let rows = rows.map(|(row, state)| match state {
-            RowState::Drawn(_) => row.clone(),
-            _ => Row::default(),
-        });
-        let batch = RowBatch::of(receivers.start, rows.collect());
-        (CompactRows::encode(&batch, &EXACT), &self.states[range])
-    }
-
-    fn add(&self, writer: &mut RowWriter, receivers: std::ops::Range<u32>) {
-        let (rows, states) = self.batch(receivers);
-        writer.add(&rows, states).unwrap();
-    }
-
-    /// A file with all of them.
-    fn write(&self, path: &Path) {
-        let mut writer = RowWriter::create(path, &IDENTITY, u64::MAX).unwrap();
-        self.add(&mut writer, 0..RECEIVERS);
-        writer.flush().unwrap();
-    }
-
-    /// Every row that the file has is this one, bit for bit. Gives the number of rows that are drawn, and panics where
-    /// anything is not missing that should be.
-    fn check(&self, file: &mut RowFile) -> u32 {
-        let mut drawn = 0;
-        for block in 0..BLOCKS {
-            let receivers = block * BLOCK..RECEIVERS.min((block + 1) * BLOCK);
-            let Some(found) = file.read_block(block) else {
-                assert!(receivers.clone().all(|receiver| !file.contains(receiver)));
-                continue;
-            };
-            let (expected, states) = self.batch(receivers.clone());
-            assert_eq!(found.rows.receivers(), receivers);
-            assert_eq!(found.states.len(), states.len());
-            for (k, receiver) in receivers.enumerate() {
-                let is_drawn = matches!(found.states[k], RowState::Drawn(_));
-                assert_eq!(file.contains(receiver), is_drawn);
-                if found.states[k] != RowState::Missing {
-                    assert_eq!(found.states[k], states[k]);
-                }
-                if is_drawn {
-                    assert_eq!(found.rows.stored(k), expected.stored(k));
-                    drawn += 1;
-                } else {
-                    assert_eq!(found.rows.row(k).into_iter().next(), None);
-                }
-            }
-        }
-        drawn
-    }
-
-    fn drawn(&self) -> u32 {
-        let states = self.states.iter();
-        states
-            .filter(|state| matches!(state, RowState::Drawn(_)))
-            .count() as u32
-    }
-}
-
-/// Empty rows, narrow and wide blocks, gaps of all lengths; some rows are unlit or missing.
-fn any_rows() -> impl Strategy<Value = Rows> {
-    let gap = prop_oneof![6 => 1..3_u32, 2 => 1..40_u32, 1 => 1..7000_u32];
-    let units = prop_oneof![4 => 1.0..1e5_f32, 1 => 1e6..1e9_f32, 1 => 1e-20..1e-3_f32];
-    let row = vec((gap, units), 0..30).prop_map(|steps| {
-        let mut patch = 0;
-        let entries = steps.into_iter().map(|(gap, units)| {
-            patch += gap;
-            Entry {
-                source: patch - 1,
-                units,
-            }
-        });
-        Row {
-            entries: entries.take_while(|e| e.source < SOURCES).collect(),
-            ..Row::default()
-        }
-    });
-    let state = prop_oneof![
-        8 => (0..1_u32 << 31, 0..1_u32 << 31).prop_map(|(open, back_face)| RowState::Drawn(Unseen { open, back_face })),
-        1 => Just(RowState::Unlit),
-        1 => Just(RowState::Missing),
-    ];
-    let count = RECEIVERS as usize;
-    (vec(row, count), vec(state, count)).prop_map(|(rows, states)| Rows { rows, states })
-}
-
-/// Rows that are all drawn, of a few entries.
-fn small_rows() -> Rows {
-    let row = |i: u32| Row {
-        entries: (0..i % 3)
-            .map(|k| Entry {
-                source: i + 2000 * k,
-                units: (i * 1000 + k + 1) as f32,
-            })
-            .collect(),
-        ..Row::default()
-    };
-    let state = |i: u32| {
-        RowState::Drawn(Unseen {
-            open: i,
-            back_face: 2 * i,
-        })
-    };
-    Rows {
-        rows: (0..RECEIVERS).map(row).collect(),
-        states: (0..RECEIVERS).map(state).collect(),
-    }
-}
+use rows::*;
 
 fn folder() -> (TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
@@ -498,27 +319,15 @@ fn what_is_no_row_file_is_neither_read_nor_replaced() {
         }
     }
     std::fs::create_dir(&path).unwrap();
-    // A writer does not come further than the lock.
-    assert_eq!(refused(), [true, false, false]);
+    assert_eq!(refused(), [true; 3]);
     let names: Vec<_> = std::fs::read_dir(folder.path()).unwrap().collect();
     assert_eq!(names.len(), 1);
 }
 
 #[test]
-fn a_file_has_one_writer_and_is_gone_when_that_removes_it() {
+fn a_file_is_gone_when_its_writer_removes_it() {
     let (folder, path) = folder();
     let writer = RowWriter::create(&path, &IDENTITY, u64::MAX).unwrap();
-    let others = [
-        RowWriter::create(&path, &IDENTITY, u64::MAX).map(drop),
-        RowWriter::open(&path, &IDENTITY, u64::MAX).map(drop),
-        OutputLock::acquire(&path).map(drop).map_err(Into::into),
-    ];
-    for other in others {
-        assert!(
-            matches!(&other, Err(RowFileError::File(error)) if matches!(error.fault, FileFault::Locked { .. })),
-            "{other:?}"
-        );
-    }
     writer.remove().unwrap();
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
@@ -529,63 +338,4 @@ fn a_missing_folder_is_an_error() {
     let path = folder.path().join("none/a.rad.rows");
     let error = RowWriter::create(&path, &IDENTITY, u64::MAX).unwrap_err();
     assert!(error.to_string().contains("cannot write"), "{error}");
-}
-
-/// A file system of 64 KiB for one test, unmounted at its end.
-struct SmallDisk {
-    folder: TempDir,
-}
-
-impl SmallDisk {
-    /// `None`, reported as a skip, where mounting is not allowed.
-    fn mount() -> Option<Self> {
-        let folder = tempfile::tempdir().unwrap();
-        let status = Command::new("mount")
-            .args(["-t", "tmpfs", "-o", "size=64k", "tmpfs"])
-            .arg(folder.path())
-            .output();
-        if status.is_ok_and(|output| output.status.success()) {
-            Some(Self { folder })
-        } else {
-            eprintln!("skipped: mounting a file system needs more rights");
-            None
-        }
-    }
-}
-
-impl Drop for SmallDisk {
-    fn drop(&mut self) {
-        Command::new("umount").arg(self.folder.path()).status().ok();
-    }
-}
-
-#[test]
-fn a_full_disk_is_one_error_and_leaves_what_was_there() {
-    let Some(disk) = SmallDisk::mount() else {
-        return;
-    };
-    let path = disk.folder.path().join("a.rad.rows");
-    let mut rows = small_rows();
-    // The second block does not fit: 64 rows of 1000 numbers.
-    for row in &mut rows.rows[BLOCK as usize..] {
-        let entry = |source| Entry { source, units: 9.0 };
-        row.entries = (0..1000).map(entry).collect();
-    }
-    let mut writer = RowWriter::create(&path, &IDENTITY, u64::MAX).unwrap();
-    rows.add(&mut writer, 0..BLOCK);
-    let before = std::fs::read(&path).unwrap();
-    let (all, states) = rows.batch(0..RECEIVERS);
-    let error = writer.add(&all, states).unwrap_err();
-    assert!(
-        matches!(&error, RowFileError::File(error)
-            if matches!(&error.fault, FileFault::Io { source, .. } if source.kind() == std::io::ErrorKind::StorageFull)),
-        "{error}"
-    );
-    writer.add(&all, states).unwrap();
-    writer.flush().unwrap();
-    assert!(!writer.is_full());
-    assert_eq!(rows.check(writer.file()), BLOCK);
-    drop(writer);
-    assert_eq!(std::fs::read(&path).unwrap(), before);
-    assert_eq!(rows.check(&mut open(&path)), BLOCK);
 }
