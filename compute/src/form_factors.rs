@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 use scene::{Scene, Solution};
 
-use crate::backend::{self, Backend};
+use crate::backend::{self, Backend, Drawer, RowOrigin};
 use crate::cancel::CancelToken;
 use crate::convex::ConvexRows;
 use crate::hemicubes::Hemicubes;
@@ -24,7 +24,9 @@ use crate::lamps::with_lamps;
 use crate::receivers::Receivers;
 use crate::row_cache::RowCache;
 use crate::rows::{BackendError, RowSource};
-use crate::settings::{BackendChoice, ClosedForms, Drawing, FormFactorSettings, SourceArea};
+use crate::settings::{
+    BackendChoice, ClosedForms, Drawing, FormFactorSettings, SolutionSettings, SourceArea,
+};
 use crate::sources::Sources;
 use crate::two_levels;
 use crate::unlit;
@@ -35,6 +37,10 @@ pub struct FormFactors<'a> {
     scene: &'a Scene,
     settings: FormFactorSettings,
     drawing: Drawing,
+    /// Where the rows have come from so far; `None`: no row has.
+    origin: Option<RowOrigin>,
+    /// What a user should know of that.
+    remark: Option<String>,
     cancel: CancelToken,
 }
 
@@ -65,8 +71,59 @@ impl<'a> FormFactors<'a> {
             scene,
             settings,
             drawing,
+            origin: None,
+            remark: None,
             cancel: CancelToken::new(),
         }
+    }
+
+    /// The same, for a solution that goes on from `start`, by these settings: where nothing else is asked for, its rows
+    /// come from where those of the start came from, so that it goes on with the same bits. A start that was solved with
+    /// other settings gives its irradiances alone, and decides nothing here.
+    #[must_use]
+    pub fn going_on(self, start: Option<&Solution>, settings: SolutionSettings) -> Self {
+        let before = start.and_then(|start| start.provenance.settings.as_ref());
+        let Some(before) = before.filter(|_| self.drawing.backend == BackendChoice::Auto) else {
+            return self;
+        };
+        let Some(mut origin) = RowOrigin::recorded_in(before) else {
+            return self;
+        };
+        let mut now = settings.recorded(self.scene.patch_count());
+        origin.record_in(&mut now);
+        if *before != now {
+            return self;
+        }
+        let mut remark = None;
+        if origin.drawer == Some(Drawer::Gpu)
+            && let Err(error) = backend::probe_gpu()
+        {
+            origin.drawer = Some(Drawer::Cpu);
+            remark = Some(format!(
+                "the GPU that the solution is from is not used: {error}"
+            ));
+        }
+        Self {
+            origin: Some(origin),
+            remark,
+            ..self
+        }
+    }
+
+    /// The same, after these rows were opened: others come from the same back end.
+    #[must_use]
+    pub fn after(self, rows: &RowCache) -> Self {
+        let before = self.origin.unwrap_or_default();
+        Self {
+            origin: Some(before.and(rows.origin())),
+            ..self
+        }
+    }
+
+    /// Where the rows come from, as far as that is decided.
+    pub fn origin(&self) -> Option<RowOrigin> {
+        let asked_for = RowOrigin::asked_for(self.drawing.backend);
+        self.origin.or(asked_for)
     }
 
     /// The same of another scene.
@@ -76,6 +133,8 @@ impl<'a> FormFactors<'a> {
             scene,
             settings: self.settings,
             drawing: self.drawing,
+            origin: self.origin,
+            remark: self.remark.clone(),
             cancel: self.cancel.clone(),
         }
     }
@@ -142,10 +201,10 @@ impl<'a> FormFactors<'a> {
             Needed::All => None,
             Needed::Lit(start) => unlit::unlit(&hemicubes, start),
         };
-        let Backend { source, remark } = self.open(&hemicubes)?;
+        let Backend { source, choice } = self.open(&hemicubes)?;
         let mut rows = RowCache::new(&hemicubes, source, memory_bytes)
             .with_cancel(&self.cancel)
-            .with_remark(remark);
+            .with_choice(choice);
         if let Some(unlit) = unlit {
             rows.leave_out(unlit);
         }
@@ -168,15 +227,17 @@ impl<'a> FormFactors<'a> {
     fn open(&self, hemicubes: &Arc<Hemicubes<'a>>) -> Result<Backend<'a>, BackendError> {
         if self.settings.closed_forms == ClosedForms::Auto
             && self.drawing.backend == BackendChoice::Auto
+            && self.origin.is_none_or(|origin| origin.has_formulas)
             && let Some(rows) = ConvexRows::new(hemicubes)
         {
-            return Ok(Backend {
-                source: Box::new(rows),
-                remark: None,
-            });
+            return Ok(Backend::without_choice(Box::new(rows)));
         }
-        let Backend { source, remark } = backend::open(hemicubes, self.drawing.backend)?;
+        let Backend { source, mut choice } = match self.origin.and_then(|origin| origin.drawer) {
+            Some(drawer) => backend::open_again(hemicubes, drawer)?,
+            None => backend::open(hemicubes, self.drawing)?,
+        };
+        choice.remark = self.remark.clone().or(choice.remark);
         let source: Box<dyn RowSource + 'a> = with_lamps(hemicubes, self.settings.lamps, source);
-        Ok(Backend { source, remark })
+        Ok(Backend { source, choice })
     }
 }

@@ -13,6 +13,7 @@ use glam::DVec3;
 use scene::{Scene, Solution};
 use serde::{Deserialize, Serialize};
 
+use crate::backend::Trial;
 use crate::certificate::Certificate;
 use crate::quantity::{show_duration, show_size};
 use crate::row_cache::RowCache;
@@ -130,6 +131,8 @@ pub struct BackendReport {
     pub name: &'static str,
     /// Threads, or the adapter's name.
     pub adapter: String,
+    /// What the CPU and the GPU were compared by before one was taken; null where no GPU was tried.
+    pub trial: Option<Trial>,
 }
 
 /// What was solved among, before the patches gathered.
@@ -310,6 +313,7 @@ impl Report {
             backend: BackendReport {
                 name: solved.backend,
                 adapter: solved.adapter.clone(),
+                trial: solved.trial,
             },
             patches: scene.patch_count(),
             surfaces: scene.surfaces().len(),

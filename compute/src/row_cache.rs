@@ -6,6 +6,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use crate::backend::{Choice, RowOrigin};
 use crate::cancel::CancelToken;
 use crate::certificate::Received;
 use crate::compact_rows::{self, CompactRows, Exact};
@@ -33,7 +34,7 @@ pub struct RowCache<'a> {
     /// Patches whose rows are taken to be empty and are not drawn; one per patch.
     unlit: Vec<bool>,
     cancel: CancelToken,
-    remark: Option<String>,
+    choice: Choice,
 }
 
 /// What drawing has cost.
@@ -102,7 +103,7 @@ impl<'a> RowCache<'a> {
             statistics: RowStatistics::default(),
             unlit: vec![false; patch_count as usize],
             cancel: CancelToken::new(),
-            remark: None,
+            choice: Choice::default(),
         }
     }
 
@@ -115,15 +116,20 @@ impl<'a> RowCache<'a> {
         }
     }
 
-    /// The same, with something that a user should know about the choice of the back end.
+    /// The same, with how its back end was chosen.
     #[must_use]
-    pub fn with_remark(self, remark: Option<String>) -> Self {
-        Self { remark, ..self }
+    pub fn with_choice(self, choice: Choice) -> Self {
+        Self { choice, ..self }
     }
 
-    /// What a user should know about the choice of the back end.
-    pub fn remark(&self) -> Option<&str> {
-        self.remark.as_deref()
+    /// How the back end was chosen.
+    pub fn choice(&self) -> &Choice {
+        &self.choice
+    }
+
+    /// Where the rows come from.
+    pub fn origin(&self) -> RowOrigin {
+        RowOrigin::of(&*self.source)
     }
 
     /// Tells work on many rows to end early.

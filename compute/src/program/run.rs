@@ -45,7 +45,7 @@ fn solve_and_report(settings: &Settings, cancel: &CancelToken) -> anyhow::Result
     let start = Instant::now();
     let (scene, before) = file::load(&settings.input)?;
     let load = start.elapsed();
-    let rows = match write_factors(settings, &scene, cancel) {
+    let rows = match write_factors(settings, &scene, before.as_ref(), cancel) {
         Ok(rows) => rows,
         Err(error) if cancel.is_cancelled() => {
             // What there is of a solution is still written below.
@@ -95,14 +95,16 @@ fn solve_and_report(settings: &Settings, cancel: &CancelToken) -> anyhow::Result
 fn write_factors<'s>(
     settings: &Settings,
     scene: &'s Scene,
+    before: Option<&Solution>,
     cancel: &CancelToken,
 ) -> anyhow::Result<Option<RowCache<'s>>> {
     if settings.form_factors_csv.is_none() && settings.view_factors_csv.is_none() {
         return Ok(None);
     }
     let solution = settings.solve.solution;
-    let form_factors =
-        FormFactors::new(scene, solution.form_factors, settings.solve.drawing).with_cancel(cancel);
+    let form_factors = FormFactors::new(scene, solution.form_factors, settings.solve.drawing)
+        .going_on(before, solution)
+        .with_cancel(cancel);
     let mut rows = form_factors.rows(Needed::All)?;
     if let Some(path) = &settings.form_factors_csv {
         form_factors_csv::save(path, &mut rows)?;

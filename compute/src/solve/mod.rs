@@ -13,6 +13,7 @@ use std::time::Instant;
 
 use scene::{Rgb, Scene, Solution};
 
+use crate::backend::Trial;
 use crate::cancel::CancelToken;
 use crate::certificate::{self, Certificate};
 use crate::form_factors::{FormFactors, Needed};
@@ -92,6 +93,8 @@ pub struct Solved {
     pub backend: &'static str,
     /// Threads, or the adapter's name.
     pub adapter: String,
+    /// What the back ends were compared by before one was taken; `None` where no GPU was tried.
+    pub trial: Option<Trial>,
     /// Patches that no light can reach, whose rows were neither needed nor drawn.
     pub unlit_patches: u32,
     /// What drawing has cost; of the rows that are kept, those that the iterations used.
@@ -214,6 +217,7 @@ impl<'a> Solve<'a> {
         } = self;
         let form_factors =
             FormFactors::new(scene, settings.solution.form_factors, settings.drawing)
+                .going_on(start.as_ref(), settings.solution)
                 .with_cancel(&cancel);
         let run = Run {
             scene,
@@ -224,6 +228,7 @@ impl<'a> Solve<'a> {
             start: Instant::now(),
             seconds: Seconds::default(),
             is_remark_said: false,
+            trial: None,
             drawn_before: RowStatistics::default(),
         };
         run.run(start, rows)
@@ -268,6 +273,8 @@ struct Run<'a, 'o> {
     seconds: Seconds,
     /// Whether the user knows why the back end is not another one.
     is_remark_said: bool,
+    /// What told which back end it is.
+    trial: Option<Trial>,
     /// Hemicubes and time of rows that are there no more: those of coarse sources.
     drawn_before: RowStatistics,
 }
@@ -291,7 +298,7 @@ impl<'a> Run<'a, '_> {
             }
             Next::Patches(start) => {
                 let mut rows = self.rows(rows, &start)?;
-                let mut solver = self.solver(self.scene, start);
+                let mut solver = self.solver(self.scene, self.recorded(start));
                 let result = self.iterate(solver.as_mut(), &mut rows, Goal::Convergence);
                 self.finish(solver.snapshot(), result, &mut rows, None)
             }
@@ -310,6 +317,7 @@ impl<'a> Run<'a, '_> {
         start: &Solution,
     ) -> Result<RowCache<'a>, SolveError> {
         if let Some(rows) = given {
+            self.opened(&rows);
             return Ok(rows);
         }
         let form_factors = self.form_factors.clone();
@@ -336,12 +344,29 @@ impl<'a> Run<'a, '_> {
         let opening = Instant::now();
         let rows = form_factors.rows_to(sources, needed)?;
         self.seconds.open += opening.elapsed().as_secs_f64();
-        if let Some(remark) = rows.remark()
+        self.opened(&rows);
+        Ok(rows)
+    }
+
+    /// Goes on with the back end of these rows, and says what a user should know of it.
+    fn opened(&mut self, rows: &RowCache) {
+        self.form_factors = self.form_factors.clone().after(rows);
+        let choice = rows.choice();
+        self.trial = self.trial.or(choice.trial);
+        if let Some(remark) = &choice.remark
             && !std::mem::replace(&mut self.is_remark_said, true)
         {
-            self.observer.remark(&Remark::Backend(remark.to_owned()));
+            self.observer.remark(&Remark::Backend(remark.clone()));
         }
-        Ok(rows)
+    }
+
+    /// The same start, which says where the rows come from with which a solver goes on.
+    fn recorded(&self, mut start: Solution) -> Solution {
+        let origin = self.form_factors.origin();
+        if let (Some(settings), Some(origin)) = (&mut start.provenance.settings, origin) {
+            origin.record_in(settings);
+        }
+        start
     }
 
     /// A solver among the patches of a scene that goes on from `start`.
@@ -391,6 +416,7 @@ impl<'a> Run<'a, '_> {
             stopped_by,
             backend: rows.backend(),
             adapter: rows.describe_source(),
+            trial: self.trial,
             unlit_patches: self.scene.patch_count() - rows.lit_count(),
             rows: RowStatistics {
                 hemicubes: statistics.hemicubes,
