@@ -47,6 +47,7 @@ fn rows(scene: &Scene) -> RowCache<'_> {
     let drawing = Drawing {
         backend: BackendChoice::Cpu,
         memory_bytes: u64::MAX,
+        ..Drawing::default()
     };
     let form_factors = FormFactors::new(scene, FormFactorSettings::new(RESOLUTION), drawing);
     let rows = form_factors.rows(Needed::All);

@@ -10,12 +10,12 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
 
-use compute::backend;
 use compute::compact_rows::{Channels, CompactRows, Exact, Gatherer};
+use compute::cpu::CpuRows;
 use compute::hemicubes::Hemicubes;
 use compute::lamps::with_lamps;
 use compute::rows::{Entry, RowBatch};
-use compute::settings::{BackendChoice, FormFactorSettings, LampViews};
+use compute::settings::{FormFactorSettings, LampViews};
 use genx::{Model, Settings};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -53,7 +53,7 @@ fn main() -> anyhow::Result<()> {
 fn measure(name: &str, scene: &Scene, resolution: u32) -> anyhow::Result<()> {
     let settings = FormFactorSettings::new(resolution);
     let hemicubes = Arc::new(Hemicubes::new(scene, settings));
-    let source = backend::open(&hemicubes, BackendChoice::Cpu)?.source;
+    let source = Box::new(CpuRows::new(&hemicubes));
     let mut source = with_lamps(&hemicubes, LampViews::Auto, source);
     let patches = scene.patch_count();
     let batches = ROWS.min(patches) / BATCH;

@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 use scene::{Scene, Solution};
 
-use crate::backend::{self, Backend};
+use crate::backend::{self, Backend, Drawer, RowOrigin};
 use crate::cancel::CancelToken;
 use crate::convex::ConvexRows;
 use crate::hemicubes::Hemicubes;
@@ -27,7 +27,8 @@ use crate::row_cache::RowCache;
 use crate::row_file::{Identity, RowFiles, StoredRows};
 use crate::rows::{BackendError, RowSource};
 use crate::settings::{
-    BackendChoice, ClosedForms, Drawing, FormFactorSettings, MOST_ON_ONE_LEVEL, SourceArea,
+    BackendChoice, ClosedForms, Drawing, FormFactorSettings, MOST_ON_ONE_LEVEL, SolutionSettings,
+    SourceArea,
 };
 use crate::sources::Sources;
 use crate::two_levels;
@@ -39,6 +40,10 @@ pub struct FormFactors<'a> {
     scene: &'a Scene,
     settings: FormFactorSettings,
     drawing: Drawing,
+    /// Where the rows have come from so far; `None`: no row has.
+    origin: Option<RowOrigin>,
+    /// What a user should know of that.
+    remark: Option<String>,
     cancel: CancelToken,
     row_files: Option<RowFiles>,
 }
@@ -70,9 +75,60 @@ impl<'a> FormFactors<'a> {
             scene,
             settings,
             drawing,
+            origin: None,
+            remark: None,
             cancel: CancelToken::new(),
             row_files: None,
         }
+    }
+
+    /// The same, for a solution that goes on from `start`, by these settings: where nothing else is asked for, its rows
+    /// come from where those of the start came from, so that it goes on with the same bits. A start that was solved with
+    /// other settings gives its irradiances alone, and decides nothing here.
+    #[must_use]
+    pub fn going_on(self, start: Option<&Solution>, settings: SolutionSettings) -> Self {
+        let before = start.and_then(|start| start.provenance.settings.as_ref());
+        let Some(before) = before.filter(|_| self.drawing.backend == BackendChoice::Auto) else {
+            return self;
+        };
+        let Some(mut origin) = RowOrigin::recorded_in(before) else {
+            return self;
+        };
+        let mut now = settings.recorded(self.scene.patch_count());
+        origin.record_in(&mut now);
+        if *before != now {
+            return self;
+        }
+        let mut remark = None;
+        if origin.drawer == Some(Drawer::Gpu)
+            && let Err(error) = backend::probe_gpu()
+        {
+            origin.drawer = Some(Drawer::Cpu);
+            remark = Some(format!(
+                "the GPU that the solution is from is not used: {error}"
+            ));
+        }
+        Self {
+            origin: Some(origin),
+            remark,
+            ..self
+        }
+    }
+
+    /// The same, after these rows were opened: others come from the same back end.
+    #[must_use]
+    pub fn after(self, rows: &RowCache) -> Self {
+        let before = self.origin.unwrap_or_default();
+        Self {
+            origin: Some(before.and(rows.origin())),
+            ..self
+        }
+    }
+
+    /// Where the rows come from, as far as that is decided.
+    pub fn origin(&self) -> Option<RowOrigin> {
+        let asked_for = RowOrigin::asked_for(self.drawing.backend);
+        self.origin.or(asked_for)
     }
 
     /// The same of another scene.
@@ -82,6 +138,8 @@ impl<'a> FormFactors<'a> {
             scene,
             settings: self.settings,
             drawing: self.drawing,
+            origin: self.origin,
+            remark: self.remark.clone(),
             cancel: self.cancel.clone(),
             row_files: self.row_files.clone(),
         }
@@ -153,7 +211,7 @@ impl<'a> FormFactors<'a> {
             Needed::All => None,
             Needed::Lit(start) => unlit::unlit(&hemicubes, start),
         };
-        let Backend { source, remark } = self.open(&hemicubes)?;
+        let Backend { source, choice } = self.open(&hemicubes)?;
         let sources = hemicubes.sources();
         let is_stored = sources.are_patches() && source.draws_hemicubes();
         let files = self.row_files.as_ref().filter(|_| is_stored);
@@ -165,7 +223,7 @@ impl<'a> FormFactors<'a> {
         let mut rows = RowCache::new(&hemicubes, source, memory_bytes)
             .with_cancel(&self.cancel)
             .with_stored(stored)
-            .with_remark(remark);
+            .with_choice(choice);
         if let Some(unlit) = unlit {
             rows.leave_out(unlit);
         }
@@ -188,15 +246,17 @@ impl<'a> FormFactors<'a> {
     fn open(&self, hemicubes: &Arc<Hemicubes<'a>>) -> Result<Backend<'a>, BackendError> {
         if self.settings.closed_forms == ClosedForms::Auto
             && self.drawing.backend == BackendChoice::Auto
+            && self.origin.is_none_or(|origin| origin.has_formulas)
             && let Some(rows) = ConvexRows::new(hemicubes)
         {
-            return Ok(Backend {
-                source: Box::new(rows),
-                remark: None,
-            });
+            return Ok(Backend::without_choice(Box::new(rows)));
         }
-        let Backend { source, remark } = backend::open(hemicubes, self.drawing.backend)?;
+        let Backend { source, mut choice } = match self.origin.and_then(|origin| origin.drawer) {
+            Some(drawer) => backend::open_again(hemicubes, drawer)?,
+            None => backend::open(hemicubes, self.drawing)?,
+        };
+        choice.remark = self.remark.clone().or(choice.remark);
         let source: Box<dyn RowSource + 'a> = with_lamps(hemicubes, self.settings.lamps, source);
-        Ok(Backend { source, remark })
+        Ok(Backend { source, choice })
     }
 }

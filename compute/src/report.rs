@@ -6,6 +6,7 @@ use std::time::Duration;
 use scene::Scene;
 use serde::Serialize;
 
+use crate::backend::Trial;
 use crate::certificate::Certificate;
 use crate::energy::{Closure, Energy};
 use crate::quantity::{show_duration, show_size};
@@ -97,6 +98,8 @@ pub struct BackendReport {
     pub name: &'static str,
     /// Threads, or the adapter's name.
     pub adapter: String,
+    /// What the CPU and the GPU were compared by before one was taken; null where no GPU was tried.
+    pub trial: Option<Trial>,
 }
 
 /// What became of the form factors.
@@ -149,6 +152,7 @@ impl Report {
             backend: BackendReport {
                 name: solved.backend,
                 adapter: solved.adapter.clone(),
+                trial: solved.trial,
             },
             patches: scene.patch_count(),
             surfaces: scene.surfaces().len(),

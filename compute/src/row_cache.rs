@@ -11,6 +11,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use crate::backend::{Choice, RowOrigin};
 use crate::cancel::CancelToken;
 use crate::compact_rows::{self, CompactRows, Exact, Stored};
 use crate::hemicubes::Hemicubes;
@@ -43,7 +44,7 @@ pub struct RowCache<'a> {
     /// Rows in files.
     stored: Option<StoredRows>,
     cancel: CancelToken,
-    remark: Option<String>,
+    choice: Choice,
 }
 
 impl<'a> RowCache<'a> {
@@ -70,7 +71,7 @@ impl<'a> RowCache<'a> {
             unlit: vec![false; patch_count as usize],
             stored: None,
             cancel: CancelToken::new(),
-            remark: None,
+            choice: Choice::default(),
         }
     }
 
@@ -89,15 +90,20 @@ impl<'a> RowCache<'a> {
         Self { stored, ..self }
     }
 
-    /// The same, with something that a user should know about the choice of the back end.
+    /// The same, with how its back end was chosen.
     #[must_use]
-    pub fn with_remark(self, remark: Option<String>) -> Self {
-        Self { remark, ..self }
+    pub fn with_choice(self, choice: Choice) -> Self {
+        Self { choice, ..self }
     }
 
-    /// What a user should know about the choice of the back end.
-    pub fn remark(&self) -> Option<&str> {
-        self.remark.as_deref()
+    /// How the back end was chosen.
+    pub fn choice(&self) -> &Choice {
+        &self.choice
+    }
+
+    /// Where the rows come from.
+    pub fn origin(&self) -> RowOrigin {
+        RowOrigin::of(&*self.source)
     }
 
     /// Tells work on many rows to end early.

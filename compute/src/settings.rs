@@ -146,7 +146,8 @@ pub enum ClosedForms {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum BackendChoice {
-    /// The GPU where there is a real one, else the CPU.
+    /// What a continued file has; else the GPU where a real one draws the same rows as the CPU and is faster, see
+    /// [`crate::backend`]; else the CPU.
     Auto,
     /// The CPU.
     Cpu,
@@ -272,6 +273,8 @@ impl Default for FormFactorSettings {
 pub struct Drawing {
     /// Who draws.
     pub backend: BackendChoice,
+    /// Whether a GPU that was asked for is compared with the CPU before it draws; one that nobody asked for always is.
+    pub is_gpu_tried: bool,
     /// What kept rows may take, bytes.
     pub memory_bytes: u64,
 }
@@ -281,13 +284,15 @@ impl Default for Drawing {
     fn default() -> Self {
         Self {
             backend: BackendChoice::Auto,
+            is_gpu_tried: true,
             memory_bytes: 4 << 30,
         }
     }
 }
 
 /// What decides a solution: a file made with the same, and by the same back end, goes on bit for bit. The names
-/// and values are those of the command line, of the report and of the provenance in a file.
+/// and values are those of the command line, of the report and of the provenance in a file, which has the
+/// [back end](crate::backend::RowOrigin) beside them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SolutionSettings {
     /// What decides the form factors.

@@ -100,13 +100,18 @@ fn report_has_every_field_of_the_contract() {
         let found = report.pointer(path).and_then(Value::as_str);
         assert_eq!(found, Some(expected), "{path}");
     }
-    // What decides the solution is in its file too, in the same words.
+    assert_eq!(report.pointer("/backend/trial"), Some(&Value::Null));
+    // What decides the solution is in its file too, in the same words, and who drew.
     let recorded = load(folder.path(), "out.rad").provenance.settings;
     let recorded = serde_json::to_value(recorded).unwrap();
     let recorded = recorded.as_object().unwrap();
-    assert_eq!(recorded.len(), 8);
+    assert_eq!(recorded.len(), 9);
     for (name, value) in recorded {
-        assert_eq!(report["settings"][name], *value, "{name}");
+        let told = match name.as_str() {
+            "backend" => &report["backend"]["name"],
+            _ => &report["settings"][name],
+        };
+        assert_eq!(told, value, "{name}");
     }
     assert!(number(&report, "/rows/kept_bytes") > 8.0 * patches);
     assert!((2.0..8.0).contains(&number(&report, "/rows/bytes_per_entry")));

@@ -21,6 +21,7 @@ fn rows<'a>(scene: &'a Scene, sources: &'a Scene) -> RowCache<'a> {
     let drawing = Drawing {
         backend: BackendChoice::Cpu,
         memory_bytes: u64::MAX,
+        ..Drawing::default()
     };
     let form_factors = FormFactors::new(scene, FormFactorSettings::new(RESOLUTION), drawing);
     let sources = Sources::coarse(scene, sources);

@@ -36,6 +36,16 @@ impl RecordedSettings {
         }
     }
 
+    /// The value of a setting.
+    pub fn get(&self, name: &str) -> Recorded<'_> {
+        Recorded(self.0.get(name))
+    }
+
+    /// Records a setting, whatever it was.
+    pub fn set(&mut self, name: &str, value: impl Into<Value>) {
+        self.0.insert(name.to_owned(), value.into());
+    }
+
     /// The settings that are others in `now`, by name.
     pub fn differences<'a>(&'a self, now: &'a Self) -> Vec<Difference<'a>> {
         let names: BTreeSet<&String> = self.0.keys().chain(now.0.keys()).collect();
@@ -65,6 +75,19 @@ impl fmt::Display for Recorded<'_> {
 mod tests {
     use super::*;
     use serde_json::json;
+
+    #[test]
+    fn what_is_set_is_recorded_and_what_was_is_not() {
+        let mut settings = RecordedSettings::new(&json!({"a": 128}));
+        settings.set("a", 64);
+        settings.set("b", "auto");
+        assert_eq!(
+            settings,
+            RecordedSettings::new(&json!({"a": 64, "b": "auto"}))
+        );
+        assert_eq!(settings.get("b"), Recorded(Some(&json!("auto"))));
+        assert_eq!(settings.get("c"), Recorded(None));
+    }
 
     #[test]
     fn settings_differ_by_name_whatever_their_order_is() {

@@ -1,9 +1,8 @@
 //! The gpu back end on the adapter there is, beside the cpu.
 
-use std::time::Instant;
+use std::time::Duration;
 
-use compute::backend;
-use compute::settings::BackendChoice;
+use compute::backend::{self, Drawer, trial};
 use genx::{Model, Settings};
 use scene::Scene;
 
@@ -23,10 +22,10 @@ pub fn section(plan: &Plan) -> anyhow::Result<String> {
     let mut rows = Vec::new();
     for (name, model) in models {
         let scene = genx::make(&Settings::new(model))?.scene;
-        for choice in [BackendChoice::Gpu, BackendChoice::Cpu] {
-            eprintln!("performance: back ends, {name}, {choice:?}");
+        for drawer in [Drawer::Gpu, Drawer::Cpu] {
+            eprintln!("performance: back ends, {name}, {drawer:?}");
             let mut row = vec![name.to_owned(), count(scene.patch_count().into())];
-            row.extend(match speed(plan, &scene, choice) {
+            row.extend(match speed(plan, &scene, drawer) {
                 Ok((back_end, speed)) => [back_end, count(speed.round() as u64)],
                 Err(error) => [format!("none: {error:#}"), String::new()],
             });
@@ -48,26 +47,12 @@ pub fn section(plan: &Plan) -> anyhow::Result<String> {
 }
 
 /// What a back end calls itself, and how many hemicubes it draws and merges in a second.
-fn speed(plan: &Plan, scene: &Scene, choice: BackendChoice) -> anyhow::Result<(String, f64)> {
+fn speed(plan: &Plan, scene: &Scene, drawer: Drawer) -> anyhow::Result<(String, f64)> {
     let hemicubes = one_a_patch(scene, PIXELS);
-    let mut source = backend::open(&hemicubes, choice)?.source;
-    let batch = source.preferred_batch().min(scene.patch_count());
-    let most_seconds = plan.choose(0.2, 4.0);
-    // The first batch is not counted: there it may choose how to draw.
-    source.draw_rows(0..batch)?;
-    let start = Instant::now();
-    let mut drawn = 0;
-    let mut next = batch;
-    while drawn == 0 || start.elapsed().as_secs_f64() < most_seconds {
-        let first = if next + batch <= scene.patch_count() {
-            next
-        } else {
-            0
-        };
-        source.draw_rows(first..first + batch)?;
-        drawn += batch;
-        next = first + batch;
-    }
-    let speed = f64::from(drawn) / start.elapsed().as_secs_f64();
+    let mut source = backend::open_again(&hemicubes, drawer)?.source;
+    // Not counted: there a back end finds out how to draw.
+    trial::speed(&hemicubes, &mut *source, Duration::ZERO)?;
+    let least = Duration::from_secs_f64(plan.choose(0.2, 4.0));
+    let speed = trial::speed(&hemicubes, &mut *source, least)?;
     Ok((source.describe(), speed))
 }

@@ -85,6 +85,7 @@ fn rows_of(name: &str, scene: &Scene) -> anyhow::Result<Vec<Vec<String>>> {
     let drawing = Drawing {
         backend: BackendChoice::Cpu,
         memory_bytes: u64::MAX,
+        ..Drawing::default()
     };
     let form_factors = FormFactors::new(scene, FormFactorSettings::new(PIXELS), drawing);
     let mut rows = form_factors.rows(Needed::All)?;

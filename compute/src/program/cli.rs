@@ -54,7 +54,8 @@ struct Arguments {
     /// Pixels along a hemicube's face: even, 2 to 4096
     #[arg(value_name = "RESOLUTION", default_value = "128", value_parser = parse_resolution)]
     resolution: u32,
-    /// Who draws: auto takes a real GPU where there is one, else the CPU; gpu takes software GPUs too
+    /// Who draws: auto keeps what a continued file was solved by, else takes a real GPU that draws the same rows as the
+    /// CPU and is faster, else the CPU; gpu takes software GPUs too
     #[arg(long, default_value = "auto", value_parser = backend_parser())]
     backend: BackendChoice,
     /// How to solve; an iteration of shooting is one shot, by the reciprocal form factors, so that its answer differs from
@@ -206,6 +207,7 @@ fn settings(arguments: Arguments) -> Settings {
             },
             drawing: Drawing {
                 backend: arguments.backend,
+                is_gpu_tried: true,
                 memory_bytes: arguments.memory,
             },
             max_iterations: arguments.iterations,

@@ -53,7 +53,13 @@ fn solve_and_report(settings: &Settings, cancel: &CancelToken) -> anyhow::Result
     );
     let (scene, before) = file::load(&settings.input)?;
     let load = start.elapsed();
-    let rows = match write_factors(settings, &scene, row_files.as_ref(), cancel) {
+    let rows = match write_factors(
+        settings,
+        &scene,
+        before.as_ref(),
+        row_files.as_ref(),
+        cancel,
+    ) {
         Ok(rows) => rows,
         Err(error) if cancel.is_cancelled() => {
             // What there is of a solution is still written below.
@@ -108,6 +114,7 @@ fn solve_and_report(settings: &Settings, cancel: &CancelToken) -> anyhow::Result
 fn write_factors<'s>(
     settings: &Settings,
     scene: &'s Scene,
+    before: Option<&Solution>,
     row_files: Option<&RowFiles>,
     cancel: &CancelToken,
 ) -> anyhow::Result<Option<RowCache<'s>>> {
@@ -116,6 +123,7 @@ fn write_factors<'s>(
     }
     let solution = settings.solve.solution;
     let form_factors = FormFactors::new(scene, solution.form_factors, settings.solve.drawing)
+        .going_on(before, solution)
         .with_cancel(cancel)
         .with_row_files(row_files.cloned());
     let mut rows = form_factors.rows(Needed::All)?;

@@ -204,6 +204,7 @@ impl<'a> Run<'a, '_> {
         let rows = self.open(form_factors, among_themselves, Needed::All)?;
         let make = |start| self.solver(coarse, start);
         let sources = Sources::drawn_as(self.scene, &drawable);
+        let start = self.recorded(start);
         Ok((OnSources::new(sources, area, start, make), rows))
     }
 
@@ -271,7 +272,8 @@ impl<'a> Run<'a, '_> {
         let needed = self.needed(&solution);
         let mut rows = self.open(&self.form_factors.clone(), sources, needed)?;
         if !is_stopped {
-            let mut gather = GatherOnce::new(rows.sources(), report.max_area, solution);
+            let start = self.recorded(solution);
+            let mut gather = GatherOnce::new(rows.sources(), report.max_area, start);
             match self.iterate(&mut gather, &mut rows, Goal::OnePass) {
                 // The sources' reason is the run's.
                 Ok(StoppedBy::Tolerance) => {}

@@ -14,6 +14,7 @@ use std::time::Instant;
 
 use scene::{Rgb, Scene, Solution};
 
+use crate::backend::Trial;
 use crate::cancel::CancelToken;
 use crate::certificate::{self, Certificate};
 use crate::energy::{self, Closure, Energy};
@@ -96,6 +97,8 @@ pub struct Solved {
     pub backend: &'static str,
     /// Threads, or the adapter's name.
     pub adapter: String,
+    /// What the back ends were compared by before one was taken; `None` where no GPU was tried.
+    pub trial: Option<Trial>,
     /// Patches that no light can reach, whose rows were neither needed nor drawn.
     pub unlit_patches: u32,
     /// What drawing has cost; of the rows that are kept, those that the iterations used.
@@ -229,6 +232,7 @@ impl<'a> Solve<'a> {
         } = self;
         let form_factors =
             FormFactors::new(scene, settings.solution.form_factors, settings.drawing)
+                .going_on(start.as_ref(), settings.solution)
                 .with_cancel(&cancel)
                 .with_row_files(row_files);
         let run = Run {
@@ -241,6 +245,7 @@ impl<'a> Solve<'a> {
             seconds: Seconds::default(),
             is_remark_said: false,
             are_files_told: false,
+            trial: None,
             drawn_before: RowStatistics::default(),
         };
         run.run(start, rows)
@@ -287,6 +292,8 @@ struct Run<'a, 'o> {
     is_remark_said: bool,
     /// Whether the user knows what files of rows there were. From then on they are this run's.
     are_files_told: bool,
+    /// What told which back end it is.
+    trial: Option<Trial>,
     /// Hemicubes and time of rows that are there no more: those of coarse sources.
     drawn_before: RowStatistics,
 }
@@ -310,7 +317,7 @@ impl<'a> Run<'a, '_> {
             }
             Next::Patches(start) => {
                 let mut rows = self.rows(rows, &start)?;
-                let mut solver = self.solver(self.scene, start);
+                let mut solver = self.solver(self.scene, self.recorded(start));
                 let result = self.iterate(solver.as_mut(), &mut rows, Goal::Convergence);
                 self.finish(solver.snapshot(), result, &mut rows, None)
             }
@@ -329,6 +336,7 @@ impl<'a> Run<'a, '_> {
         start: &Solution,
     ) -> Result<RowCache<'a>, SolveError> {
         if let Some(rows) = given {
+            self.opened(&rows);
             return Ok(rows);
         }
         let form_factors = self.form_factors.clone();
@@ -355,11 +363,7 @@ impl<'a> Run<'a, '_> {
         let opening = Instant::now();
         let mut rows = form_factors.rows_to(sources, needed)?;
         self.seconds.open += opening.elapsed().as_secs_f64();
-        if let Some(remark) = rows.remark()
-            && !std::mem::replace(&mut self.is_remark_said, true)
-        {
-            self.observer.remark(&Remark::Backend(remark.to_owned()));
-        }
+        self.opened(&rows);
         for remark in rows.take_remarks() {
             if !self.are_files_told || matches!(remark, RowFileRemark::NotKept(_)) {
                 self.observer.remark(&Remark::RowFile(remark));
@@ -367,6 +371,27 @@ impl<'a> Run<'a, '_> {
         }
         self.are_files_told = true;
         Ok(rows)
+    }
+
+    /// Goes on with the back end of these rows, and says what a user should know of it.
+    fn opened(&mut self, rows: &RowCache) {
+        self.form_factors = self.form_factors.clone().after(rows);
+        let choice = rows.choice();
+        self.trial = self.trial.or(choice.trial);
+        if let Some(remark) = &choice.remark
+            && !std::mem::replace(&mut self.is_remark_said, true)
+        {
+            self.observer.remark(&Remark::Backend(remark.clone()));
+        }
+    }
+
+    /// The same start, which says where the rows come from with which a solver goes on.
+    fn recorded(&self, mut start: Solution) -> Solution {
+        let origin = self.form_factors.origin();
+        if let (Some(settings), Some(origin)) = (&mut start.provenance.settings, origin) {
+            origin.record_in(settings);
+        }
+        start
     }
 
     /// A solver among the patches of a scene that goes on from `start`.
@@ -423,6 +448,7 @@ impl<'a> Run<'a, '_> {
             stopped_by,
             backend: rows.backend(),
             adapter: rows.describe_source(),
+            trial: self.trial,
             unlit_patches: self.scene.patch_count() - rows.lit_count(),
             rows: RowStatistics {
                 hemicubes: statistics.hemicubes,

@@ -3,12 +3,16 @@
 use scene::{Provenance, RecordedSettings, Solution, State};
 
 use super::{Remark, Run};
+use crate::backend::RowOrigin;
 
 impl Run<'_, '_> {
     /// The state to go on from: the given one where it was made with the same settings, else its irradiances alone.
     pub(super) fn start_from(&mut self, solution: Option<Solution>) -> Solution {
         let scene = self.scene;
-        let now = self.settings.solution.recorded(scene.patch_count());
+        let mut now = self.settings.solution.recorded(scene.patch_count());
+        if let Some(origin) = self.form_factors.origin() {
+            origin.record_in(&mut now);
+        }
         let mut start = solution.unwrap_or_else(|| Solution {
             provenance: Provenance {
                 settings: Some(now.clone()),
@@ -39,7 +43,12 @@ fn otherwise(before: Option<&RecordedSettings>, now: &RecordedSettings) -> Optio
     let Some(before) = before else {
         return Some("is of an older version, which does not say how it was solved".to_owned());
     };
-    let differences = before.differences(now);
+    let mut differences = before.differences(now);
+    // A back end that is still to be chosen, or that a file of an older version does not tell, is no other one.
+    differences.retain(|difference| {
+        let is_told = difference.before.0.is_some() && difference.now.0.is_some();
+        difference.name != RowOrigin::SETTING || is_told
+    });
     let then = differences
         .iter()
         .map(|d| format!("{} {}", d.name, d.before));
@@ -85,5 +94,20 @@ mod tests {
             told(json!({"points": "centroid", "resolution": 64, "seed": "0"})).unwrap(),
             "was solved with points centroid, resolution 64 and seed 0, now auto, 128 and 7"
         );
+    }
+
+    #[test]
+    fn back_ends_differ_where_both_are_known() {
+        let recorded = |value| RecordedSettings::new(&value);
+        let unknown = recorded(json!({"resolution": 128}));
+        let [cpu, gpu] =
+            ["cpu", "gpu"].map(|name| recorded(json!({"backend": name, "resolution": 128})));
+        assert_eq!(
+            otherwise(Some(&cpu), &gpu).unwrap(),
+            "was solved with backend cpu, now gpu"
+        );
+        for (before, now) in [(&unknown, &gpu), (&cpu, &unknown), (&gpu, &gpu)] {
+            assert_eq!(otherwise(Some(before), now), None);
+        }
     }
 }

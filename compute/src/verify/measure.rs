@@ -81,6 +81,8 @@ pub fn measure(
     let scene = case.scene.build()?;
     let drawing = Drawing {
         backend: choice,
+        // What its rows are worth is what comes out.
+        is_gpu_tried: false,
         ..Drawing::default()
     };
     let form_factors = FormFactors::new(&scene, settings, drawing);

@@ -44,6 +44,7 @@ pub fn rows(scene: &Scene, budget_bytes: u64) -> RowCache<'_> {
     let drawing = Drawing {
         backend: BackendChoice::Cpu,
         memory_bytes: budget_bytes,
+        ..Drawing::default()
     };
     let form_factors = FormFactors::new(scene, SETTINGS, drawing);
     form_factors.rows(Needed::All).unwrap()
