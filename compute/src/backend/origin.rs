@@ -111,6 +111,19 @@ mod tests {
     use serde_json::json;
 
     #[test]
+    fn formulas_and_a_back_end_are_both_remembered() {
+        let origin = |name: &str| name.parse::<RowOrigin>().unwrap();
+        for (before, more, both) in [
+            ("formulas", "gpu", "formulas+gpu"),
+            ("formulas+cpu", "formulas", "formulas+cpu"),
+            ("cpu", "cpu", "cpu"),
+        ] {
+            assert_eq!(origin(before).and(origin(more)), origin(both));
+        }
+        assert_eq!(RowOrigin::default().and(origin("cpu")), origin("cpu"));
+    }
+
+    #[test]
     fn what_is_recorded_reads_back() {
         for (name, origin) in NAMES {
             let mut settings = RecordedSettings::new(&json!({"points": "auto"}));

@@ -157,17 +157,6 @@ impl Projection {
         } = self;
         let geometry = at.geometry;
         let facts = &geometry.facts[region as usize];
-        let regions = &geometry.regions;
-        let of_region = regions.regions()[region as usize].pieces.clone();
-        let outcode_of = |piece: u32| {
-            let ids = regions.corners(piece as usize).iter();
-            ids.fold(u32::MAX, |bits, &id| bits & outcodes[id as usize])
-        };
-        let is_below = |common: u32| at.has_horizon && common & outcode::NOT_ABOVE_HORIZON != 0;
-        // Before the plane is asked for: what is below the horizon costs no more than this.
-        if of_region.clone().all(|piece| is_below(outcode_of(piece))) {
-            return;
-        }
         let Some(plane) = at.plane(facts) else {
             return;
         };
@@ -176,13 +165,16 @@ impl Projection {
             return;
         }
         let sign = if is_back_face { 1.0 } else { -1.0 };
-        for piece in of_region {
+        let regions = &geometry.regions;
+        for piece in regions.regions()[region as usize].pieces.clone() {
             let ids = regions.corners(piece as usize);
-            let common = outcode_of(piece);
-            if is_below(common) {
-                continue;
-            }
+            let common = ids
+                .iter()
+                .fold(u32::MAX, |bits, &id| bits & outcodes[id as usize]);
             if at.has_horizon {
+                if common & outcode::NOT_ABOVE_HORIZON != 0 {
+                    continue;
+                }
                 let height = ids
                     .iter()
                     .fold(f64::MIN, |height, &id| height.max(z[id as usize]));
