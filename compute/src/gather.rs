@@ -6,6 +6,7 @@
 use scene::{Rgb, Scene, Solution};
 
 use crate::FormFactors;
+use crate::backend::Backend;
 use crate::receivers::{Receivers, Sensor, Sensors};
 use crate::rows::{BackendError, Entry, UNITS_PER_ONE};
 use crate::settings::Seed;
@@ -30,7 +31,7 @@ pub struct Gathering<'a> {
     /// Of the patches, W/m^2.
     radiosity: Vec<Rgb>,
     emission: Vec<Rgb>,
-    source: Box<dyn crate::rows::RowSource + 'a>,
+    backend: Backend<'a>,
     count: u32,
     on_surfaces: u32,
     next: u32,
@@ -55,7 +56,7 @@ impl<'a> Gathering<'a> {
             scene,
             radiosity: solution.radiosity(scene),
             emission: scene.patch_emissions(),
-            source: backend.source,
+            backend,
             count,
             on_surfaces,
             next: 0,
@@ -74,7 +75,12 @@ impl<'a> Gathering<'a> {
 
     /// Who looks, for people.
     pub fn describe_source(&self) -> String {
-        self.source.describe()
+        self.backend.source.describe()
+    }
+
+    /// Something the user should know about the choice of the back end.
+    pub fn remark(&self) -> Option<&str> {
+        self.backend.choice.remark.as_deref()
     }
 
     /// Share of the sensors that have gathered, 0 to 1.
@@ -87,8 +93,8 @@ impl<'a> Gathering<'a> {
     /// # Errors
     /// A back end that cannot go on.
     pub fn step(&mut self) -> Result<Vec<Received>, BackendError> {
-        let end = (self.next + self.source.preferred_batch().max(1)).min(self.count);
-        let rows = self.source.draw_rows(self.next..end)?;
+        let end = (self.next + self.backend.source.preferred_batch().max(1)).min(self.count);
+        let rows = self.backend.source.draw_rows(self.next..end)?;
         self.next = end;
         let one = f64::from(UNITS_PER_ONE);
         Ok((0..rows.receivers().len())

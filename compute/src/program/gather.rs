@@ -48,6 +48,9 @@ fn gather_all(settings: &GatherSettings, cancel: &CancelToken) -> anyhow::Result
     };
     let form_factors = FormFactors::new(&scene, settings.form_factors, drawing);
     let mut gathering = Gathering::new(&form_factors, &solution, table.sensors())?;
+    if let Some(remark) = gathering.remark() {
+        eprintln!("compute: {remark}");
+    }
     let mut received: Vec<Received> = Vec::with_capacity(table.sensors().len());
     loop {
         if cancel.is_cancelled() {
