@@ -54,7 +54,7 @@ use scene::Rgb;
 use crate::rows::{Entry, RowBatch, UNITS_PER_ONE};
 
 /// Patches in a block.
-const BLOCK: usize = 16;
+pub const BLOCK: usize = 16;
 
 /// Patches decoded at a time.
 const LANES: usize = 8;
@@ -317,6 +317,66 @@ impl Header {
             storage: header >> 24,
         }
     }
+
+    /// How many numbers the block has.
+    #[inline]
+    fn numbers(self) -> usize {
+        (self.bits.count_ones() << u32::from(self.storage == WIDE)) as usize
+    }
+
+    /// Hands out the entries of the block, whose first source is `first` and whose numbers come first in `numbers`.
+    #[inline]
+    fn decode(self, first: u32, numbers: &[u16], mut each: impl FnMut(Entry)) {
+        let mut numbers = &numbers[..self.numbers()];
+        for half in 0..BLOCK / LANES {
+            let mut bits = self.bits >> (LANES * half) & 0xff;
+            let count = bits.count_ones() as usize;
+            let (low, rest) = numbers.split_at(count);
+            let high;
+            (high, numbers) = if self.storage == WIDE {
+                rest.split_at(count)
+            } else {
+                (low, rest)
+            };
+            for (&low, &high) in low.iter().zip(high) {
+                let units = if self.storage == WIDE {
+                    f32::from_bits(u32::from(high) << 16 | u32::from(low))
+                } else {
+                    f32::from(low) * step(self.storage)
+                };
+                each(Entry {
+                    source: first + (LANES * half) as u32 + bits.trailing_zeros(),
+                    units,
+                });
+                bits &= bits - 1;
+            }
+        }
+    }
+}
+
+impl Row<'_> {
+    /// Hands out the entries of sources of a range, in order; it begins with a block.
+    #[inline]
+    pub fn for_each_in(self, sources: Range<u32>, mut each: impl FnMut(Entry)) {
+        debug_assert_eq!(sources.start % BLOCK as u32, 0);
+        let (mut next_block, mut at) = (0, 0);
+        for &header in self.headers {
+            let header = Header::new(header);
+            let first = (next_block + header.skipped) * BLOCK as u32;
+            next_block += header.skipped + 1;
+            if first >= sources.end {
+                break;
+            }
+            if first >= sources.start {
+                header.decode(first, &self.numbers[at..], |entry| {
+                    if entry.source < sources.end {
+                        each(entry);
+                    }
+                });
+            }
+            at += header.numbers();
+        }
+    }
 }
 
 impl<'a> IntoIterator for Row<'a> {
@@ -354,29 +414,13 @@ impl Entries<'_> {
         let (&header, headers) = self.row.headers.split_first()?;
         let header = Header::new(header);
         let block = self.next_block + header.skipped;
-        let (mut count, mut read) = (0, 0);
-        for half in 0..2 {
-            let mut bits = header.bits >> (8 * half) & 0xff;
-            let length = bits.count_ones() as usize;
-            let numbers = &self.row.numbers[read..];
-            for k in 0..length {
-                let units = if header.storage == WIDE {
-                    f32::from_bits(u32::from(numbers[length + k]) << 16 | u32::from(numbers[k]))
-                } else {
-                    f32::from(numbers[k]) * step(header.storage)
-                };
-                let patch = block * BLOCK as u32 + 8 * half + bits.trailing_zeros();
-                self.decoded[count] = Entry {
-                    source: patch,
-                    units,
-                };
-                bits &= bits - 1;
-                count += 1;
-            }
-            read += length << u32::from(header.storage == WIDE);
-        }
+        let mut count = 0;
+        header.decode(block * BLOCK as u32, self.row.numbers, |entry| {
+            self.decoded[count] = entry;
+            count += 1;
+        });
         self.row.headers = headers;
-        self.row.numbers = &self.row.numbers[read..];
+        self.row.numbers = &self.row.numbers[header.numbers()..];
         self.next_block = block + 1;
         self.handed_out = 0..count;
         Some(())

@@ -5,8 +5,8 @@
 
 use rayon::prelude::*;
 
-use crate::compact_rows::CompactRows;
-use crate::rows::{Entry, UNITS_PER_ONE};
+use crate::compact_rows::{BLOCK, CompactRows};
+use crate::rows::UNITS_PER_ONE;
 
 /// sum_i A_i F_ij for every patch j that is seen and sum_j F_ij for every patch i that sees, over the rows that were
 /// added.
@@ -33,7 +33,7 @@ fn parts(units: f32) -> u64 {
     (f64::from(units) * PARTS_PER_UNIT) as u64
 }
 
-/// Patches whose sums a thread adds up by itself: fewer are not worth the search for their entries.
+/// Patches whose sums a thread adds up by itself: fewer are not worth the headers of the others'.
 const MIN_PATCHES_PER_TASK: usize = 4096;
 
 impl Received {
@@ -50,37 +50,38 @@ impl Received {
 
     /// Adds the rows of those of the batch's patches, counted from its first, that are `new`. They count as they are
     /// kept, so that a row from a file is worth the same as one that has just been drawn.
-    pub fn add(&mut self, batch: &CompactRows, new: impl Fn(usize) -> bool + Sync) {
+    pub fn add(&mut self, batch: &CompactRows, new: impl Fn(usize) -> bool) {
         let first = batch.receivers().start as usize;
-        let row_sums = self.row_sums[first..].par_iter_mut().enumerate();
-        let rows: Vec<(usize, Vec<Entry>)> = row_sums
-            .take(batch.receivers().len())
-            .filter(|(k, _)| new(*k))
-            .map(|(k, sum)| {
-                let row: Vec<Entry> = batch.row(k).into_iter().collect();
-                *sum = row.iter().map(|entry| parts(entry.units)).sum();
-                (first + k, row)
-            })
-            .collect();
+        let rows: Vec<usize> = (0..batch.receivers().len()).filter(|&k| new(k)).collect();
         let areas = &self.areas;
         let per_task = self
             .sums
             .len()
             .div_ceil(rayon::current_num_threads())
-            .max(MIN_PATCHES_PER_TASK);
+            .max(MIN_PATCHES_PER_TASK)
+            .next_multiple_of(BLOCK);
         let tasks = self.sums.par_chunks_mut(per_task).enumerate();
-        tasks.for_each(|(task, sums)| {
-            let first = (task * per_task) as u32;
-            for (patch, row) in &rows {
-                let start = row.partition_point(|entry| entry.source < first);
-                for entry in &row[start..] {
-                    let Some(sum) = sums.get_mut((entry.source - first) as usize) else {
-                        break;
-                    };
-                    *sum += u128::from(areas[*patch]) * u128::from(parts(entry.units));
-                }
-            }
-        });
+        // What each task adds to the sum of each row.
+        let row_sums: Vec<Vec<u64>> = tasks
+            .map(|(task, sums)| {
+                let start = (task * per_task) as u32;
+                let sources = start..start + sums.len() as u32;
+                let add = |&k: &usize| {
+                    let area = u128::from(areas[first + k]);
+                    let mut row_sum = 0;
+                    batch.row(k).for_each_in(sources.clone(), |entry| {
+                        let parts = parts(entry.units);
+                        row_sum += parts;
+                        sums[(entry.source - start) as usize] += area * u128::from(parts);
+                    });
+                    row_sum
+                };
+                rows.iter().map(add).collect()
+            })
+            .collect();
+        for (n, k) in rows.into_iter().enumerate() {
+            self.row_sums[first + k] = row_sums.iter().map(|sums| sums[n]).sum();
+        }
     }
 
     /// sum_i A_i F_ij, m^2.
@@ -105,7 +106,7 @@ mod tests {
 
     use super::*;
     use crate::compact_rows::Exact;
-    use crate::rows::{Row, RowBatch, Unseen};
+    use crate::rows::{Entry, Row, RowBatch, Unseen};
 
     /// More patches than one task adds up, and rows with gaps, one of which does not count.
     #[test]
@@ -143,6 +144,19 @@ mod tests {
             // largest, which is at most 45 of those added.
             let error = (received.area(j) - expected).abs();
             assert!(error <= 1e-13 * expected, "{j}: {error}");
+        }
+        for k in 0..40 {
+            let expected: f64 = batch.row(k).into_iter().map(|e| f64::from(e.units)).sum();
+            let expected = if k == 3 {
+                0.0
+            } else {
+                expected / f64::from(UNITS_PER_ONE)
+            };
+            // Each entry is a whole number of parts here, so that both sums are exact up to one rounding.
+            assert!(
+                (received.row_sum(5 + k) - expected).abs() <= 1e-15 * expected,
+                "{k}"
+            );
         }
     }
 }
