@@ -1,10 +1,12 @@
 //! What decides form factors and solutions: plain, checked values, whatever they were given as.
 
+use std::iter;
 use std::str::FromStr;
 use std::time::Duration;
 
 use scene::RecordedSettings;
 use serde::{Serialize, Serializer};
+use serde_json::json;
 
 /// Where on a patch its hemicubes stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -360,6 +362,23 @@ impl Default for SolveSettings {
             checkpoint_every: Duration::from_mins(1),
             all_rows: false,
         }
+    }
+}
+
+impl SolveSettings {
+    /// The command line after IN and OUT that asks for these, but for when a run saves and stops on the way.
+    pub fn options(&self) -> String {
+        let mut settings = RecordedSettings::new(&self.solution);
+        settings.set("backend", json!(self.drawing.backend));
+        settings.set("tolerance", self.tolerance);
+        if let Some(iterations) = self.max_iterations {
+            settings.set("iterations", iterations);
+        }
+        let others = settings.iter().filter(|(name, _)| *name != "resolution");
+        let options = others.map(|(name, value)| format!("--{} {value}", name.replace('_', "-")));
+        let resolution = self.solution.form_factors.resolution.to_string();
+        let words: Vec<String> = iter::once(resolution).chain(options).collect();
+        words.join(" ")
     }
 }
 

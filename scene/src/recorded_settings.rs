@@ -41,6 +41,12 @@ impl RecordedSettings {
         Recorded(self.0.get(name))
     }
 
+    /// All settings and their values, by name.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, Recorded<'_>)> {
+        let settings = self.0.iter();
+        settings.map(|(name, value)| (name.as_str(), Recorded(Some(value))))
+    }
+
     /// Records a setting, whatever it was.
     pub fn set(&mut self, name: &str, value: impl Into<Value>) {
         self.0.insert(name.to_owned(), value.into());

@@ -1,5 +1,6 @@
 //! The command line of `compute`, turned into a [`Task`].
 
+mod form_factors;
 mod gather;
 mod verify;
 
@@ -12,11 +13,11 @@ use clap::{Args, CommandFactory, Parser, Subcommand};
 use scene::file::is_same_file;
 use visibility::hemicube::MAX_RESOLUTION;
 
+use self::form_factors::FormFactorArguments;
 use super::{Settings, Task};
 use crate::quantity::{parse_duration, parse_size};
 use crate::settings::{
-    BackendChoice, ClosedForms, Drawing, FormFactorSettings, LampViews, Maps, Points, Seed,
-    SolutionSettings, SolveSettings, SolverChoice, SourceArea,
+    BackendChoice, Drawing, SolutionSettings, SolveSettings, SolverChoice, SourceArea,
 };
 
 /// Solves a scene by hemicube radiosity.
@@ -43,7 +44,9 @@ enum Command {
 }
 
 /// To solve a scene.
+// Clap leaves the group of a struct with another one in it empty, and then takes it to be absent.
 #[derive(Debug, Args)]
+#[group(args = ["input", "output"])]
 struct Arguments {
     /// Scene file from genx, or a result to go on with
     #[arg(value_name = "IN")]
@@ -51,9 +54,8 @@ struct Arguments {
     /// Where the result goes; may be IN
     #[arg(value_name = "OUT")]
     output: PathBuf,
-    /// Pixels along a hemicube's face: even, 2 to 4096
-    #[arg(value_name = "RESOLUTION", default_value = "128", value_parser = parse_resolution)]
-    resolution: u32,
+    #[command(flatten)]
+    form_factor_settings: FormFactorArguments,
     /// Who draws: auto keeps what a continued file was solved by, else takes a real GPU that draws the same rows as the
     /// CPU and is faster, else the CPU; gpu takes software GPUs too
     #[arg(long, default_value = "auto", value_parser = backend_parser())]
@@ -64,28 +66,6 @@ struct Arguments {
         ("jacobi", SolverChoice::Jacobi), ("gauss-seidel", SolverChoice::GaussSeidel),
         ("shooting", SolverChoice::Shooting)]))]
     solver: SolverChoice,
-    /// What the pixels count: exact integrals, or the thesis's multipliers for comparison
-    #[arg(long, default_value = "exact", value_parser = choice(&[
-        ("exact", Maps::Exact), ("thesis", Maps::Thesis)]))]
-    maps: Maps,
-    /// Where a patch's hemicubes stand: auto (one, or three and more where other surfaces are near),
-    /// centroid, vertices, or N points of equal weight: 1, 2, 4 ... 1024 centroids of equal areas, or 3,
-    /// 6, 12 ... 3072 by a rule of higher order
-    #[arg(long, default_value = "auto")]
-    points: Points,
-    /// Hemicubes are turned about their normals, each by its own angle: a number picks the angles, "aligned"
-    /// turns none
-    #[arg(long, default_value = "0", value_name = "SEED")]
-    seed: Seed,
-    /// Exact views of lamps beside the hemicube: of those that matter, none, or all
-    #[arg(long, default_value = "auto", value_parser = choice(&[
-        ("auto", LampViews::Auto), ("off", LampViews::Off), ("all", LampViews::All)]))]
-    lamps: LampViews,
-    /// Form factors by formula instead of hemicubes: auto (with --backend auto, in convex rooms in which nothing
-    /// hides anything, where that is faster), or off
-    #[arg(long, default_value = "auto", value_parser = choice(&[
-        ("auto", ClosedForms::Auto), ("off", ClosedForms::Off)]))]
-    closed_forms: ClosedForms,
     /// Join patches to sources of at most A m^2, solve among these, then let each patch gather from them: patches
     /// (one level), auto (in scenes of more than 65536 patches sources as coarse as an estimated error of 0.5
     /// percent allows), or A
@@ -194,14 +174,7 @@ fn settings(arguments: Arguments) -> Settings {
         output: arguments.output,
         solve: SolveSettings {
             solution: SolutionSettings {
-                form_factors: FormFactorSettings {
-                    resolution: arguments.resolution,
-                    maps: arguments.maps,
-                    points: arguments.points,
-                    seed: arguments.seed,
-                    lamps: arguments.lamps,
-                    closed_forms: arguments.closed_forms,
-                },
+                form_factors: arguments.form_factor_settings.settings(),
                 source_area: arguments.source_area,
                 solver: arguments.solver,
             },

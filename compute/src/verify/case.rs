@@ -30,6 +30,16 @@ pub enum Expected {
     DenseSolution,
 }
 
+impl Expected {
+    /// The value; 0 where it is not known beforehand.
+    pub fn value(self) -> f64 {
+        match self {
+            Self::Value(value) => value,
+            Self::DenseSolution => 0.0,
+        }
+    }
+}
+
 /// What is measured. Names are those of the scene's objects.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Measure {

@@ -2,7 +2,7 @@
 
 use scene::{Rgb, Scene, Solution};
 
-use super::case::{Case, Expected, Measure};
+use super::case::{Case, Measure};
 use super::{VerifyError, dense, path_tracer};
 use crate::Solve;
 use crate::compact_rows::Row;
@@ -71,6 +71,42 @@ impl Solved {
     }
 }
 
+/// The run whose solution, or whose form factors, a case measures.
+pub fn run_of(
+    case: &Case,
+    form_factors: FormFactorSettings,
+    backend: BackendChoice,
+) -> SolveSettings {
+    let no_more = SolveSettings::default().tolerance;
+    let (solver, tolerance, iterations) = match case.measure {
+        Measure::FormFactor { .. } | Measure::Closure => (SolverChoice::Jacobi, no_more, 0),
+        Measure::Irradiance { .. } => (SolverChoice::Jacobi, no_more, 1),
+        Measure::Radiosity => {
+            // Grows by 1 / (1 - rho), which is what is expected.
+            let residual = FURNACE_RESIDUAL / case.expected.value();
+            (SolverChoice::Jacobi, residual, MOST_ITERATIONS)
+        }
+        Measure::Reflected { .. } => (SolverChoice::Jacobi, ROOM_RESIDUAL, MOST_ITERATIONS),
+        Measure::DenseSolve { solver } => (solver, DENSE_RESIDUAL, MOST_ITERATIONS),
+    };
+    SolveSettings {
+        solution: SolutionSettings {
+            form_factors,
+            solver,
+            ..SolutionSettings::default()
+        },
+        drawing: Drawing {
+            backend,
+            // What its rows are worth is what comes out.
+            is_gpu_tried: false,
+            ..Drawing::default()
+        },
+        max_iterations: Some(iterations),
+        tolerance,
+        ..SolveSettings::default()
+    }
+}
+
 /// Measures one case. Also says who made the rows: `cpu`, `gpu` or `formula`.
 pub fn measure(
     case: &Case,
@@ -79,17 +115,11 @@ pub fn measure(
     solved: &mut Solved,
 ) -> Result<(Measured, &'static str), VerifyError> {
     let scene = case.scene.build()?;
-    let drawing = Drawing {
-        backend: choice,
-        // What its rows are worth is what comes out.
-        is_gpu_tried: false,
-        ..Drawing::default()
-    };
-    let form_factors = FormFactors::new(&scene, settings, drawing);
+    let run = run_of(case, settings, choice);
+    let form_factors = FormFactors::new(&scene, settings, run.drawing);
     let mut bench = Bench {
         scene: &scene,
-        settings,
-        drawing,
+        run,
         rows: form_factors.rows(Needed::All)?,
     };
     let measured = bench.measure(case, |room| (room, settings, choice), solved)?;
@@ -104,8 +134,7 @@ pub fn measure(
 /// A scene and its rows.
 struct Bench<'a> {
     scene: &'a Scene,
-    settings: FormFactorSettings,
-    drawing: Drawing,
+    run: SolveSettings,
     rows: RowCache<'a>,
 }
 
@@ -116,10 +145,7 @@ impl Bench<'_> {
         key: impl Fn(&'static str) -> SolvedRoom,
         solved: &mut Solved,
     ) -> Result<Measured, VerifyError> {
-        let expected = match case.expected {
-            Expected::Value(value) => value,
-            Expected::DenseSolution => 0.0,
-        };
+        let expected = case.expected.value();
         let known = |computed| Measured { expected, computed };
         let farthest = |values: Vec<f64>| {
             let off = |value: &f64| (value - expected).abs();
@@ -131,9 +157,7 @@ impl Bench<'_> {
             &Measure::Irradiance { of } => known(self.irradiance(of)?),
             Measure::Closure => farthest(self.row_sums()?),
             Measure::Radiosity => {
-                let rho = 1.0 - 1.0 / expected;
-                let residual = FURNACE_RESIDUAL * (1.0 - rho);
-                let solved = self.solve(SolverChoice::Jacobi, residual)?;
+                let solved = self.radiosity()?;
                 farthest(solved.into_iter().map(|b| f64::from(b.x)).collect())
             }
             &Measure::Reflected {
@@ -141,9 +165,7 @@ impl Bench<'_> {
                 ref reference,
                 statistic,
             } => {
-                let irradiance = solved.get_or_solve(key(room), || {
-                    self.solution(SolverChoice::Jacobi, ROOM_RESIDUAL, MOST_ITERATIONS)
-                })?;
+                let irradiance = solved.get_or_solve(key(room), || self.solution())?;
                 let problem = Problem::new(self.scene);
                 known(path_tracer::statistic(
                     statistic, &problem, irradiance, reference,
@@ -211,7 +233,7 @@ impl Bench<'_> {
 
     /// Mean irradiance of an object after one iteration, first channel, W/m^2.
     fn irradiance(&self, of: &str) -> Result<f64, VerifyError> {
-        let solution = self.solution(SolverChoice::Jacobi, 0.0, 1)?;
+        let solution = self.solution()?;
         let areas = self.scene.patch_areas();
         let patches = || {
             self.patches_of(of)
@@ -236,37 +258,20 @@ impl Bench<'_> {
         Ok(sums)
     }
 
-    /// What a run comes to.
-    fn solution(
-        &self,
-        solver: SolverChoice,
-        tolerance: f64,
-        most_iterations: u64,
-    ) -> Result<Solution, VerifyError> {
-        let settings = SolveSettings {
-            solution: SolutionSettings {
-                form_factors: self.settings,
-                solver,
-                ..SolutionSettings::default()
-            },
-            drawing: self.drawing,
-            max_iterations: Some(most_iterations),
-            tolerance,
-            ..SolveSettings::default()
-        };
-        let solved = Solve::new(self.scene).settings(settings).run()?;
+    /// What the run comes to.
+    fn solution(&self) -> Result<Solution, VerifyError> {
+        let solved = Solve::new(self.scene).settings(self.run).run()?;
         Ok(solved.into_solution())
     }
 
     /// Radiosities, W/m^2, one per patch.
-    fn solve(&self, choice: SolverChoice, residual: f64) -> Result<Vec<Rgb>, VerifyError> {
-        let solution = self.solution(choice, residual, MOST_ITERATIONS)?;
-        Ok(solution.radiosity(self.scene))
+    fn radiosity(&self) -> Result<Vec<Rgb>, VerifyError> {
+        Ok(self.solution()?.radiosity(self.scene))
     }
 
     /// The patch and channel in which a solver is farthest from the dense solution, relatively.
     fn dense_solve(&mut self, choice: SolverChoice) -> Result<Measured, VerifyError> {
-        let solved = self.solve(choice, DENSE_RESIDUAL)?;
+        let solved = self.radiosity()?;
         let problem = Problem::new(self.scene);
         let n = problem.patch_count();
         // What patch i gathers from patch j, dimensionless.

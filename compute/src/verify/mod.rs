@@ -34,10 +34,10 @@ use scene::SceneError;
 
 use crate::quantity::show_duration;
 use crate::rows::BackendError;
-use crate::settings::{BackendChoice, FormFactorSettings};
+use crate::settings::{BackendChoice, FormFactorSettings, SolveSettings};
 use crate::solve::SolveError;
 use case::Case;
-use measure::{Measured, Solved, measure};
+use measure::{Measured, Solved, measure, run_of};
 
 /// What `compute verify` is asked to do.
 #[derive(Clone, Debug, PartialEq)]
@@ -118,6 +118,8 @@ pub struct Outcome<'a> {
     pub case: &'a Case,
     /// Who made the rows: `cpu`, `gpu` or `formula`.
     pub backend: &'static str,
+    /// The run that was measured.
+    pub run: SolveSettings,
     /// What came out.
     pub measured: Measured,
 }
@@ -261,6 +263,7 @@ fn measure_all<'a>(
             let outcome = Outcome {
                 case,
                 backend,
+                run: run_of(case, settings, choice),
                 measured,
             };
             show(&outcome);

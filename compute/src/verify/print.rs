@@ -110,6 +110,8 @@ struct Line<'a> {
     points: Points,
     maps: Maps,
     lamps: LampViews,
+    /// Of the run that it measures: `compute IN OUT OPTIONS`.
+    options: String,
     expected: f64,
     computed: f64,
     /// Relative; absolute where 0 is expected.
@@ -133,6 +135,7 @@ pub fn json(outcomes: &[Outcome], settings: FormFactorSettings) -> Result<String
                 points: settings.points,
                 maps: settings.maps,
                 lamps: settings.lamps,
+                options: outcome.run.options(),
                 expected: outcome.measured.expected,
                 computed: outcome.measured.computed,
                 error: outcome.measured.error(),

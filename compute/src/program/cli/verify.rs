@@ -2,8 +2,8 @@
 
 use clap::Args;
 
-use super::{choice, parse_resolution};
-use crate::settings::{ClosedForms, FormFactorSettings, LampViews, Maps, Points, Seed};
+use super::choice;
+use super::form_factors::FormFactorArguments;
 use crate::verify::{Backends, Format, Settings, VerifyError, select};
 
 /// Show how far this program is from answers that are known, case by case
@@ -14,23 +14,8 @@ use crate::verify::{Backends, Format, Settings, VerifyError, select};
 /// the default settings. Exit codes: 0 all cases hold, 1 some case misses, 2 wrong usage.
 #[derive(Debug, Args)]
 pub(super) struct VerifyArguments {
-    /// Pixels along a hemicube's face: even, 2 to 4096
-    #[arg(value_name = "RESOLUTION", default_value = "128", value_parser = parse_resolution)]
-    resolution: u32,
-    /// Where a patch's hemicubes stand, as in a run
-    #[arg(long, default_value = "auto")]
-    points: Points,
-    /// How hemicubes are turned, as in a run
-    #[arg(long, default_value = "0", value_name = "SEED")]
-    seed: Seed,
-    /// Exact views of lamps beside the hemicube, as in a run
-    #[arg(long, default_value = "auto", value_parser = choice(&[
-        ("auto", LampViews::Auto), ("off", LampViews::Off), ("all", LampViews::All)]))]
-    lamps: LampViews,
-    /// What the pixels count, as in a run
-    #[arg(long, default_value = "exact", value_parser = choice(&[
-        ("exact", Maps::Exact), ("thesis", Maps::Thesis)]))]
-    maps: Maps,
+    #[command(flatten)]
+    form_factors: FormFactorArguments,
     /// Who draws: auto (as in a run by default), cpu, gpu (software ones too), or all of these
     #[arg(long, default_value = "auto", value_parser = choice(&[
         ("auto", Backends::Auto), ("cpu", Backends::Cpu), ("gpu", Backends::Gpu), ("all", Backends::All)]))]
@@ -52,14 +37,7 @@ impl VerifyArguments {
     pub fn settings(self) -> Result<Settings, VerifyError> {
         select(self.case.as_deref())?;
         Ok(Settings {
-            form_factors: FormFactorSettings {
-                resolution: self.resolution,
-                maps: self.maps,
-                points: self.points,
-                seed: self.seed,
-                lamps: self.lamps,
-                closed_forms: ClosedForms::Auto,
-            },
+            form_factors: self.form_factors.settings(),
             backends: self.backend,
             case: self.case,
             format: match (self.json, self.markdown) {
