@@ -21,6 +21,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use scene::weld::Vertices;
 use scene::{PatchId, Scene};
 use visibility::facets::{Facet, facets};
 use visibility::hemicube::pixel_count;
@@ -48,7 +49,7 @@ pub struct ConvexRows<'a> {
     hemicubes: Arc<Hemicubes<'a>>,
     /// One per region.
     facets: Vec<Facet>,
-    mesh: Mesh,
+    boundaries: Boundaries,
 }
 
 impl<'a> ConvexRows<'a> {
@@ -64,7 +65,7 @@ impl<'a> ConvexRows<'a> {
         is_unobstructed(hemicubes.drawable(), &facets).then(|| Self {
             hemicubes: Arc::clone(hemicubes),
             facets,
-            mesh: Mesh::new(sources.scene()),
+            boundaries: Boundaries::new(sources.scene()),
         })
     }
 
@@ -74,9 +75,9 @@ impl<'a> ConvexRows<'a> {
         let own = receivers.surface(receiver);
         let facet = own.map(|own| &self.facets[self.hemicubes.drawable().region_of(own) as usize]);
         let frames = receivers.frames(receiver);
-        let mut factors = vec![0.0; self.mesh.patches.len()];
+        let mut factors = vec![0.0; self.boundaries.patches.len()];
         for frame in &frames {
-            self.mesh.add_factors(frame, facet, &mut factors);
+            self.boundaries.add_factors(frame, facet, &mut factors);
         }
         let one = f64::from(UNITS_PER_ONE);
         let units_each = one / frames.len() as f64;
@@ -164,7 +165,7 @@ fn is_beside(polygon: &[DVec3], other: &[DVec3], normal: DVec3) -> bool {
 }
 
 /// The patches of a scene with their edges and corners, each once.
-struct Mesh {
+struct Boundaries {
     /// Metres.
     vertices: Vec<DVec3>,
     /// The corners of each patch.
@@ -184,36 +185,28 @@ struct Edge {
 
 const NO_PATCH: u32 = u32::MAX;
 
-impl Mesh {
+impl Boundaries {
     fn new(scene: &Scene) -> Self {
-        let mut mesh = Self {
+        let mut boundaries = Self {
             vertices: Vec::new(),
             patches: Vec::new(),
             edges: Vec::new(),
         };
-        let mut vertex_at = HashMap::new();
+        let mut vertices = Vertices::default();
         let mut edge_between = HashMap::new();
         for patch in 0..scene.patch_count() {
-            let corners = scene.patch(PatchId(patch)).corners.map(|p| {
-                // Both zeros are one place.
-                let p = p + Vec3::ZERO;
-                *vertex_at
-                    .entry(p.to_array().map(f32::to_bits))
-                    .or_insert_with(|| {
-                        mesh.vertices.push(p.as_dvec3());
-                        mesh.vertices.len() as u32 - 1
-                    })
-            });
-            mesh.patches.push(corners);
+            let corners = scene.patch(PatchId(patch)).corners;
+            let corners = corners.map(|p| vertices.index(p));
+            boundaries.patches.push(corners);
             for k in 0..3 {
                 let (from, to) = (corners[k], corners[(k + 1) % 3]);
                 // Taken out, so that a third patch begins an edge of its own.
                 if let Some(index) = edge_between.remove(&(to, from)) {
-                    let edge: &mut Edge = &mut mesh.edges[index];
+                    let edge: &mut Edge = &mut boundaries.edges[index];
                     edge.opposite = patch;
                 } else {
-                    edge_between.insert((from, to), mesh.edges.len());
-                    mesh.edges.push(Edge {
+                    edge_between.insert((from, to), boundaries.edges.len());
+                    boundaries.edges.push(Edge {
                         from,
                         to,
                         patch,
@@ -222,7 +215,9 @@ impl Mesh {
                 }
             }
         }
-        mesh
+        let positions = vertices.into_positions().into_iter();
+        boundaries.vertices = positions.map(Vec3::as_dvec3).collect();
+        boundaries
     }
 
     /// Adds the form factors from a point to all patches but those in its own facet, where it lies on one.

@@ -9,6 +9,7 @@
 use std::f64::consts::TAU;
 
 use glam::DVec3;
+use scene::planar::clip;
 
 /// Form factor, dimensionless, from a point to a triangle that nothing hides, seen from its front or its
 /// back alike. `corners` are in the receiver's frame, relative to the point, with z along its normal.
@@ -36,21 +37,9 @@ pub fn edge_term(p: DVec3, q: DVec3, normal: DVec3) -> f64 {
     sin.atan2(p.dot(q)) * cross.dot(normal) / sin
 }
 
-/// The part of a convex polygon on the side of a plane through the point to which `normal` points, at most
-/// one corner more (Sutherland and Hodgman 1974, one plane).
+/// The part of a convex polygon on the side of a plane through the point to which `normal` points.
 pub fn in_front(corners: &[DVec3], normal: DVec3) -> Vec<DVec3> {
-    let mut kept = Vec::with_capacity(corners.len() + 1);
-    for (k, &p) in corners.iter().enumerate() {
-        let q = corners[(k + 1) % corners.len()];
-        let (at_p, at_q) = (p.dot(normal), q.dot(normal));
-        if at_p >= 0.0 {
-            kept.push(p);
-        }
-        if (at_p > 0.0 && at_q < 0.0) || (at_p < 0.0 && at_q > 0.0) {
-            kept.push(p.lerp(q, at_p / (at_p - at_q)));
-        }
-    }
-    kept
+    clip(corners, |p| p.dot(normal))
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use common::{compute, folder, save, solve, stdout};
 use compute::problem::Problem;
 use compute::verify::case::{Case, Measure};
 use compute::verify::{bank, path_tracer};
-use scene::{ObjectId, Rgb, Scene, Solution};
+use scene::{ObjectId, Scene, Solution};
 use serde_json::Value;
 
 /// What a case printed of itself, by its name.
@@ -80,8 +80,7 @@ impl Run<'_> {
             Measure::DenseSolve { .. } => {
                 let values = radiosity
                     .iter()
-                    .copied()
-                    .flat_map(Rgb::to_array)
+                    .flat_map(|b| <[f32; 3]>::from(*b))
                     .map(f64::from);
                 let off = |value: &f64| (value - printed).abs();
                 values.min_by(|a, b| off(a).total_cmp(&off(b))).unwrap()

@@ -71,7 +71,7 @@ fn candidates_of(scene: &Scene) -> (usize, u32) {
 
 /// A camera, and the width over height of the picture it suits.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
+pub struct Framing {
     /// The camera.
     pub camera: Camera,
     /// Width over height.
@@ -92,7 +92,7 @@ pub struct Wishes {
 }
 
 /// Chooses a camera.
-pub fn choose(scene: &Scene, wishes: &Wishes) -> View {
+pub fn choose(scene: &Scene, wishes: &Wishes) -> Framing {
     match kind::of(scene) {
         Kind::Stage(side) => through(scene, side, wishes),
         Kind::Room if wishes.cull == Cull::Nothing => {
@@ -103,7 +103,7 @@ pub fn choose(scene: &Scene, wishes: &Wishes) -> View {
 }
 
 /// The view through the open side of a stage, which fills the picture.
-fn through(scene: &Scene, side: DVec3, wishes: &Wishes) -> View {
+fn through(scene: &Scene, side: DVec3, wishes: &Wishes) -> Framing {
     let [middle, half] = bounding_box(scene);
     let fov = wishes.fov_degrees.unwrap_or(OUTSIDE_FOV);
     let camera = Camera::new(middle, -side, wishes.up, fov);
@@ -113,14 +113,14 @@ fn through(scene: &Scene, side: DVec3, wishes: &Wishes) -> View {
         .unwrap_or_else(|| (width / height).clamp(0.5, 2.0));
     let reach = (1.0 + MARGIN) * height.max(width / aspect) / camera.half_height();
     let eye = middle + (half.dot(side.abs()) + reach) * side;
-    View {
+    Framing {
         camera: Camera { eye, ..camera },
         aspect,
     }
 }
 
 /// The best three-quarter view from outside.
-fn outside(scene: &Scene, wishes: &Wishes) -> View {
+fn outside(scene: &Scene, wishes: &Wishes) -> Framing {
     let aspect = wishes.aspect.unwrap_or(ASPECT);
     let fov = wishes.fov_degrees.unwrap_or(OUTSIDE_FOV);
     let (east, south) = floor_axes(wishes.up);
@@ -159,7 +159,7 @@ fn outside(scene: &Scene, wishes: &Wishes) -> View {
             },
         )
         .collect();
-    View {
+    Framing {
         camera: candidates[first_best(&scores).unwrap_or(0)],
         aspect,
     }
@@ -188,7 +188,7 @@ fn holding_all(scene: &Scene, from: DVec3, up: DVec3, fov: f64, aspect: f64) -> 
 }
 
 /// The best view from inside, or `None` where every point sees backs of surfaces.
-fn inside(scene: &Scene, wishes: &Wishes) -> Option<View> {
+fn inside(scene: &Scene, wishes: &Wishes) -> Option<Framing> {
     let aspect = wishes.aspect.unwrap_or(ASPECT);
     let fovs = match wishes.fov_degrees {
         Some(fov) => vec![(fov, 0.0)],
@@ -232,7 +232,7 @@ fn inside(scene: &Scene, wishes: &Wishes) -> Option<View> {
         .collect();
     let scores: Vec<f64> = candidates.iter().map(|(_, score)| *score).collect();
     let best = first_best(&scores)?;
-    Some(View {
+    Some(Framing {
         camera: candidates[best].0,
         aspect,
     })

@@ -7,7 +7,7 @@ use scene::{PatchId, Rgb, Scene, Solution};
 use visibility::Cull;
 
 use crate::camera::Camera;
-use crate::default_camera::{self, View, Wishes};
+use crate::default_camera::{self, Framing, Wishes};
 use crate::legend::{self, Clipped, Layout};
 use crate::range;
 use crate::settings::{Mode, Quantity, RenderSettings, SettingsError, Size};
@@ -188,7 +188,7 @@ fn place_camera(
         aspect,
         cull,
     };
-    let View { mut camera, aspect } = default_camera::choose(scene, &wishes);
+    let Framing { mut camera, aspect } = default_camera::choose(scene, &wishes);
     if let Some(look_at) = settings.look_at {
         let forward = in_scene(look_at) - camera.eye;
         if forward == DVec3::ZERO {

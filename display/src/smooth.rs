@@ -26,14 +26,12 @@
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use scene::weld::{Place, place};
 use scene::{MaterialId, PatchId, Rgb, Scene, bisection};
 
 /// Normals that differ by more are on the two sides of a crease. Tuned: a column of 16 sides (22.5
 /// degrees) is meant to be round, one of 8 (45 degrees) is not.
 pub const CREASE_DEGREES: f64 = 30.0;
-
-/// A position as sortable bits.
-type Key = [u32; 3];
 
 /// The corner of a patch: 3 patch + 0, 1 or 2.
 type CornerIndex = u32;
@@ -49,7 +47,7 @@ pub struct VertexValues {
 
 /// A vertex: corners of patches at one position that belong together.
 struct Vertex {
-    key: Key,
+    place: Place,
     material: MaterialId,
     /// Unit normal of its first patch.
     normal: DVec3,
@@ -68,11 +66,11 @@ impl VertexValues {
             .map(|p| scene.patch(PatchId(p)))
             .collect();
 
-        let mut corners: Vec<(Key, CornerIndex)> = patches
+        let mut corners: Vec<(Place, CornerIndex)> = patches
             .par_iter()
             .enumerate()
             .flat_map_iter(|(p, patch)| {
-                (0..3).map(move |k| (key(patch.corners[k]), (3 * p + k) as CornerIndex))
+                (0..3).map(move |k| (place(patch.corners[k]), (3 * p + k) as CornerIndex))
             })
             .collect();
         corners.par_sort_unstable();
@@ -82,7 +80,7 @@ impl VertexValues {
         let mut vertex_of_corner = vec![0; corners.len()];
         for at_one_position in corners.chunk_by(|a, b| a.0 == b.0) {
             let first = vertices.len();
-            for &(key, corner) in at_one_position {
+            for &(place, corner) in at_one_position {
                 let patch = &patches[corner as usize / 3];
                 let material = scene.surface(patch.surface).material;
                 let normal = normals[patch.surface.index()];
@@ -92,7 +90,7 @@ impl VertexValues {
                 let vertex = first + known.unwrap_or(vertices.len() - first);
                 if vertex == vertices.len() {
                     vertices.push(Vertex {
-                        key,
+                        place,
                         material,
                         normal,
                     });
@@ -138,12 +136,6 @@ impl Vertex {
     }
 }
 
-/// A position's bits; equal positions have equal keys.
-fn key(position: Vec3) -> Key {
-    // Adding 0 turns -0 into 0.
-    position.to_array().map(|v| (v + 0.0).to_bits())
-}
-
 /// A T-vertex, and the part of a coarser patch's edge that it is in the middle of.
 struct Seam {
     /// Length of that part, squared, m^2.
@@ -173,7 +165,7 @@ fn close_seams(scene: &Scene, vertices: &[Vertex], vertex_of_corner: &[u32], val
             while let Some([(p, p_vertex), (q, q_vertex)]) = edges.pop() {
                 let middle = 0.5 * (p + q);
                 let like = &vertices[ends[0] as usize];
-                if let Some(vertex) = find(vertices, key(position(middle).as_vec3()), like) {
+                if let Some(vertex) = find(vertices, place(position(middle).as_vec3()), like) {
                     seams.push(Seam {
                         length_squared: position(p).distance_squared(position(q)),
                         vertex,
@@ -203,9 +195,9 @@ fn close_seams(scene: &Scene, vertices: &[Vertex], vertex_of_corner: &[u32], val
 }
 
 /// The vertex at a position that patches like those of `like` belong to.
-fn find(vertices: &[Vertex], key: Key, like: &Vertex) -> Option<u32> {
-    let first = vertices.partition_point(|v| v.key < key);
-    let there = vertices[first..].iter().take_while(|v| v.key == key);
+fn find(vertices: &[Vertex], at: Place, like: &Vertex) -> Option<u32> {
+    let first = vertices.partition_point(|v| v.place < at);
+    let there = vertices[first..].iter().take_while(|v| v.place == at);
     let place = there
         .into_iter()
         .position(|v| v.takes(like.material, like.normal))?;

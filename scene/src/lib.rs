@@ -15,11 +15,13 @@ mod ids;
 mod material;
 mod mesh;
 pub mod obj;
+pub mod planar;
 mod recorded_settings;
 mod scene;
 mod solution;
 pub mod srgb;
 mod surface;
+pub mod weld;
 
 pub use error::SceneError;
 pub use ids::{MAX_PATCHES, MaterialId, NO_PATCH, ObjectId, PatchId, SurfaceId};

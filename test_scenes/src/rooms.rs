@@ -1,6 +1,7 @@
 //! Boxes, and rooms made of boxes.
 
 use glam::{DVec3, Vec3};
+use scene::planar::box_sides;
 use scene::{Material, MaterialId, ObjectId, Scene, Surface};
 
 /// A grey material: reflectance, dimensionless, and emission, W/m^2.
@@ -25,30 +26,15 @@ pub fn quad(corners: [Vec3; 4], material: u32) -> [Surface; 2] {
 
 /// The twelve triangles of a box, seen from inside, or from outside if `solid`.
 pub fn block(low: Vec3, high: Vec3, solid: bool, material: u32) -> Vec<Surface> {
-    let corner = |k: usize| {
-        Vec3::new(
-            if k & 1 == 0 { low.x } else { high.x },
-            if k & 2 == 0 { low.y } else { high.y },
-            if k & 4 == 0 { low.z } else { high.z },
-        )
-    };
-    // Each face counter-clockwise from inside.
-    [
-        [0, 1, 3, 2],
-        [4, 6, 7, 5],
-        [0, 4, 5, 1],
-        [2, 3, 7, 6],
-        [0, 2, 6, 4],
-        [1, 5, 7, 3],
-    ]
-    .into_iter()
-    .flat_map(|mut face| {
-        if solid {
-            face.reverse();
-        }
-        quad(face.map(corner), material)
-    })
-    .collect()
+    let sides = box_sides(low.as_dvec3(), high.as_dvec3()).into_iter();
+    sides
+        .flat_map(|mut side| {
+            if solid {
+                side.reverse();
+            }
+            quad(side.map(DVec3::as_vec3), material)
+        })
+        .collect()
 }
 
 /// The same triangles with every corner moved a little, the same way wherever it occurs, so that no

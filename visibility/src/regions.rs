@@ -30,7 +30,7 @@ pub(crate) use locator::{LEAF, Node, STEEP, Tree};
 pub use locator::{Locator, Member, NO_MEMBER};
 
 use flood::Group;
-use outline::{Mesh, Outline};
+use outline::{Outline, RegionMesh};
 use partition::Frame;
 use weld::Welded;
 
@@ -181,7 +181,7 @@ impl Regions {
 
 /// What surfaces form, or `None` where something is odd.
 fn merge(scene: &Scene, welded: &Welded, group: &Group) -> Option<Merged> {
-    let mesh = Mesh::new(welded, group)?;
+    let mesh = RegionMesh::new(welded, group)?;
     let outline = Outline::new(&mesh)?;
     let frame = Frame::new(&mesh, &outline, group.point)?;
     let surfaces: Vec<SurfaceId> = group.surfaces.iter().copied().map(SurfaceId).collect();

@@ -6,6 +6,7 @@ mod tests;
 use std::ops::Range;
 
 use glam::{DVec3, Vec3};
+use scene::weld::{Place, place};
 use scene::{Scene, SurfaceId};
 
 use visibility::{Drawable, is_in_plane, reach};
@@ -137,10 +138,9 @@ fn touching(
 }
 
 /// Corners to compare for being the same.
-fn corner_bits(scene: &Scene, id: SurfaceId) -> [[u32; 3]; 3] {
+fn corner_bits(scene: &Scene, id: SurfaceId) -> [Place; 3] {
     let corners = scene.surface(id).corners;
-    // -0 becomes 0.
-    corners.map(|p| p.to_array().map(|x| (x + 0.0).to_bits()))
+    corners.map(place)
 }
 
 /// True where no surface has a part of the others in front of it, so that none hides another.

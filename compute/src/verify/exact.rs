@@ -9,6 +9,7 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use scene::planar::clip;
 
 use super::reference::{Entry, Shape, entries};
 use super::shapes::{TESSELLATION, Triangle, area, horizontal};
@@ -20,18 +21,7 @@ fn from_point(point: DVec3, normal: DVec3, triangle: Triangle) -> f64 {
     if (b - a).cross(c - a).dot(a) >= 0.0 {
         return 0.0;
     }
-    let corners = [a, b, c];
-    let mut clipped = Vec::new();
-    for k in 0..3 {
-        let (p, q) = (corners[k], corners[(k + 1) % 3]);
-        let (hp, hq) = (p.dot(normal), q.dot(normal));
-        if hp >= 0.0 {
-            clipped.push(p);
-        }
-        if hp * hq < 0.0 {
-            clipped.push(p + hp / (hp - hq) * (q - p));
-        }
-    }
+    let clipped = clip(&[a, b, c], |p| p.dot(normal));
     let sum: f64 = (0..clipped.len())
         .map(|k| {
             let (p, q) = (clipped[k], clipped[(k + 1) % clipped.len()]);

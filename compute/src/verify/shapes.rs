@@ -8,6 +8,7 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use scene::planar::box_sides;
 use scene::{Material, MaterialId, ObjectId, Rgb, Scene, SceneError, Surface};
 
 /// Three corners, metres, counter-clockwise from the front.
@@ -129,29 +130,14 @@ fn icosahedron() -> Vec<Triangle> {
     triangles
 }
 
-/// The six faces of a box: floor, ceiling, then the walls at low x, high x, low y, high y. Seen
+/// The six faces of a box: floor, ceiling, then the walls at low y, high y, low x, high x. Seen
 /// from inside, or from outside if `solid`.
 pub fn faces(low: DVec3, high: DVec3, solid: bool) -> [Vec<Triangle>; 6] {
-    let corner = |k: usize| {
-        DVec3::new(
-            if k & 1 == 0 { low.x } else { high.x },
-            if k & 2 == 0 { low.y } else { high.y },
-            if k & 4 == 0 { low.z } else { high.z },
-        )
-    };
-    [
-        [0, 1, 3, 2],
-        [4, 6, 7, 5],
-        [0, 2, 6, 4],
-        [1, 5, 7, 3],
-        [0, 4, 5, 1],
-        [2, 3, 7, 6],
-    ]
-    .map(|mut face| {
+    box_sides(low, high).map(|mut face| {
         if solid {
             face.reverse();
         }
-        polygon(&face.map(corner))
+        polygon(&face)
     })
 }
 

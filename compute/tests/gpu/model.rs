@@ -3,30 +3,15 @@
 use compute::hemicubes::Hemicubes;
 use compute::receivers::ReceiverId;
 use glam::{DQuat, DVec3, EulerRot};
+use scene::planar::box_sides;
 use scene::{Material, MaterialId, ObjectId, PatchId, Scene, Surface};
 use visibility::Frame;
 
 /// The sides of a box: bottom, top, then the four around. Counter-clockwise as seen from outside, or
 /// from inside if it is a room.
 fn sides(low: DVec3, high: DVec3, is_room: bool) -> [[DVec3; 4]; 6] {
-    let corner = |k: usize| {
-        DVec3::new(
-            if k & 1 == 0 { low.x } else { high.x },
-            if k & 2 == 0 { low.y } else { high.y },
-            if k & 4 == 0 { low.z } else { high.z },
-        )
-    };
-    [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ]
-    .map(|side| {
-        let mut corners = side.map(corner);
-        if is_room {
+    box_sides(low, high).map(|mut corners| {
+        if !is_room {
             corners.reverse();
         }
         corners

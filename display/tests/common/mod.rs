@@ -2,6 +2,7 @@
 #![allow(dead_code)] // each test binary uses its part
 
 use glam::{DVec3, Vec3};
+use scene::planar::box_sides;
 use scene::{Material, MaterialId, ObjectId, PatchId, Rgb, Scene, Solution, Surface};
 
 /// A scene on its way.
@@ -46,19 +47,16 @@ impl Builder {
         depth: u32,
     ) {
         for side in (0..6).filter(|side| !without.contains(side)) {
-            let corners = box_side(low, high, side);
-            self.quad(
-                [corners[3], corners[2], corners[1], corners[0]],
-                material,
-                depth,
-            );
+            self.quad(box_side(low, high, side), material, depth);
         }
     }
 
     /// A box between two corners, its fronts outside.
     pub fn block(&mut self, low: Vec3, high: Vec3, material: MaterialId, depth: u32) {
         for side in 0..6 {
-            self.quad(box_side(low, high, side), material, depth);
+            let mut corners = box_side(low, high, side);
+            corners.reverse();
+            self.quad(corners, material, depth);
         }
     }
 
@@ -78,29 +76,10 @@ impl Builder {
     }
 }
 
-/// Corners of a box's side, counter-clockwise from outside.
+/// Corners of a box's side, counter-clockwise from inside: -x, +x, -y, +y, -z, +z.
 fn box_side(low: Vec3, high: Vec3, side: usize) -> [[f32; 3]; 4] {
-    let (axis, is_high) = (side / 2, side % 2 == 1);
-    let square = [[false, false], [true, false], [true, true], [false, true]];
-    let corners = square.map(|[u, v]| {
-        let mut corner = low.to_array();
-        let high = high.to_array();
-        if is_high {
-            corner[axis] = high[axis];
-        }
-        if u {
-            corner[(axis + 1) % 3] = high[(axis + 1) % 3];
-        }
-        if v {
-            corner[(axis + 2) % 3] = high[(axis + 2) % 3];
-        }
-        corner
-    });
-    if is_high {
-        corners
-    } else {
-        [corners[3], corners[2], corners[1], corners[0]]
-    }
+    let sides = box_sides(low.as_dvec3(), high.as_dvec3());
+    sides[[4, 5, 2, 3, 0, 1][side]].map(|corner| corner.as_vec3().to_array())
 }
 
 /// A closed cube with edges of 2 m about the origin, fronts inside.

@@ -4,9 +4,9 @@
 //! Imported again without subdivision, face i is patch i with the same corners, materials and
 //! objects. Irradiances have no place in this format: see [`super::csv`].
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::ffi::OsStr;
-use std::io::{Read, Write};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
@@ -15,6 +15,7 @@ use super::{original, patches};
 use crate::Scene;
 use crate::file::{FileError, FileFault, write_atomically};
 use crate::obj::comment_start;
+use crate::weld::Vertices;
 
 /// The first line of a material file, by which an export knows those that it may replace.
 const MARK: &str = "# materials of a radiosity export";
@@ -53,6 +54,7 @@ pub fn save(path: &Path, scene: &Scene) -> Result<(), FileError> {
     write_atomically(path, |out| {
         let library = material_path.file_name().map(OsStr::to_string_lossy);
         writeln!(out, "mtllib {}", library.unwrap_or_default())?;
+        // Those written so far, so that neighbours share theirs.
         let mut vertices = Vertices::default();
         let (mut object, mut material) = (None, None);
         for patch in patches(scene) {
@@ -65,7 +67,14 @@ pub fn save(path: &Path, scene: &Scene) -> Result<(), FileError> {
             }
             let mut face = [0; 3];
             for (index, corner) in face.iter_mut().zip(patch.corners) {
-                *index = vertices.index(original(scene, corner), out)?;
+                let count = vertices.count();
+                let vertex = vertices.index(corner);
+                if vertex == count {
+                    let DVec3 { x, y, z } = original(scene, corner);
+                    writeln!(out, "v {x} {y} {z}")?;
+                }
+                // Counted from 1.
+                *index = vertex + 1;
             }
             writeln!(out, "f {} {} {}", face[0], face[1], face[2])?;
         }
@@ -82,28 +91,6 @@ fn is_free(material_path: &Path) -> bool {
             read.is_ok() && (start.is_empty() || start == MARK.as_bytes())
         }
         Err(error) => error.kind() == std::io::ErrorKind::NotFound,
-    }
-}
-
-/// The vertices written so far, so that neighbours share theirs.
-#[derive(Default)]
-struct Vertices {
-    /// Index by the bits of the position.
-    indices: HashMap<[u64; 3], usize>,
-}
-
-impl Vertices {
-    /// The index of a position, counted from 1; writes the position if it is new.
-    fn index(&mut self, position: DVec3, out: &mut dyn Write) -> std::io::Result<usize> {
-        let next = self.indices.len() + 1;
-        let index = *self
-            .indices
-            .entry(position.to_array().map(f64::to_bits))
-            .or_insert(next);
-        if index == next {
-            writeln!(out, "v {} {} {}", position.x, position.y, position.z)?;
-        }
-        Ok(index)
     }
 }
 

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use glam::{DVec3, Vec3};
 
 use super::{ImportReport, ObjFault, ObjModel, polygon};
+use crate::weld::{Place, places};
 use crate::{Material, MaterialId, ObjectId, Surface};
 
 /// Margin on the largest extent, so that models whose extent is a power of two, which are common,
@@ -112,7 +113,8 @@ struct Repeated {
 
 impl Repeated {
     fn among(surfaces: &[Surface]) -> Option<Self> {
-        let mut keyed: Vec<([[u32; 3]; 3], usize)> = surfaces.iter().map(key).zip(0..).collect();
+        let keys = surfaces.iter().map(|surface| places(surface.corners));
+        let mut keyed: Vec<([Place; 3], usize)> = keys.zip(0..).collect();
         keyed.sort_unstable();
         let repeated = keyed
             .windows(2)
@@ -123,17 +125,6 @@ impl Repeated {
         });
         (count > 0).then_some(Self { count, first })
     }
-}
-
-/// The corners' bits, the same whichever corner comes first.
-fn key(surface: &Surface) -> [[u32; 3]; 3] {
-    // Adding 0 turns -0 into 0.
-    let mut key = surface
-        .corners
-        .map(|p| p.to_array().map(|v| (v + 0.0).to_bits()));
-    let least = (0..3).min_by_key(|&k| key[k]).unwrap_or(0);
-    key.rotate_left(least);
-    key
 }
 
 /// Vertex indices of each face.

@@ -15,6 +15,8 @@ use std::collections::VecDeque;
 
 use glam::{DVec2, DVec3, Vec3};
 
+use crate::planar::{facing_axes, turn};
+
 /// Farthest a corner of a planar polygon may lie from its mean plane, as a share of the diagonal
 /// of its bounding box. Tuned: coordinates written with six digits stay well below it, and the
 /// left wall of the published Cornell box, twisted by 1e-3, lies above.
@@ -89,11 +91,7 @@ fn is_planar(corners: &[DVec3], unit_normal: DVec3) -> bool {
 
 /// The corners in the coordinate plane that the polygon faces most, counter-clockwise.
 fn projected(corners: &[DVec3], normal: DVec3) -> Vec<DVec2> {
-    let axis = normal.abs().max_position();
-    let (mut u, mut v) = ((axis + 1) % 3, (axis + 2) % 3);
-    if normal[axis] < 0.0 {
-        (u, v) = (v, u);
-    }
+    let [u, v] = facing_axes(normal);
     corners.iter().map(|p| DVec2::new(p[u], p[v])).collect()
 }
 
@@ -170,11 +168,6 @@ fn is_flat(triangle: [DVec2; 3]) -> bool {
 /// Whether a corner turns back on itself, or lies on one of its neighbours.
 fn is_spike([a, b, c]: [DVec2; 3]) -> bool {
     is_flat([a, b, c]) && (a - b).dot(c - b) >= 0.0
-}
-
-/// Twice the area of a triangle, above 0 if counter-clockwise.
-fn turn(a: DVec2, b: DVec2, c: DVec2) -> f64 {
-    (b - a).perp_dot(c - a)
 }
 
 /// Twice the area of a triangle over its squared longest side, 0 for a point.

@@ -1,6 +1,7 @@
 //! A region's triangles, their neighbours, and what bounds them.
 
 use glam::{DVec2, DVec3};
+use scene::planar::{facing_axes, turn};
 
 use super::ULP;
 use super::flood::Group;
@@ -24,7 +25,7 @@ pub(super) fn previous(half: u32) -> u32 {
 }
 
 /// The triangles of a region. Half-edge 3 t + k leads from corner k of triangle t to the next.
-pub(super) struct Mesh {
+pub(super) struct RegionMesh {
     pub normal: DVec3,
     /// Of each vertex, its index in the scene; ascending.
     pub vertices: Vec<u32>,
@@ -39,7 +40,7 @@ pub(super) struct Mesh {
     pub mates: Vec<u32>,
 }
 
-impl Mesh {
+impl RegionMesh {
     /// `None` where three triangles or two of one side share an edge.
     pub(super) fn new(welded: &Welded, group: &Group) -> Option<Self> {
         let of = |&surface: &u32| welded.corners[surface as usize];
@@ -67,11 +68,7 @@ impl Mesh {
             .iter()
             .map(|&vertex| welded.vertices[vertex as usize].as_dvec3())
             .collect();
-        let axis = group.normal.abs().max_position();
-        let (mut u, mut v) = ((axis + 1) % 3, (axis + 2) % 3);
-        if group.normal[axis] < 0.0 {
-            (u, v) = (v, u);
-        }
+        let [u, v] = facing_axes(group.normal);
         Some(Self {
             normal: group.normal,
             flat: points.iter().map(|p| DVec2::new(p[u], p[v])).collect(),
@@ -93,7 +90,7 @@ impl Mesh {
             .iter()
             .map(|corners| {
                 let [a, b, c] = corners.map(|vertex| self.flat[vertex as usize]);
-                0.5 * (b - a).perp_dot(c - a)
+                0.5 * turn(a, b, c)
             })
             .sum()
     }
@@ -214,7 +211,7 @@ pub(super) struct Outline {
 }
 
 impl Outline {
-    pub(super) fn new(mesh: &Mesh) -> Option<Self> {
+    pub(super) fn new(mesh: &RegionMesh) -> Option<Self> {
         // How many sides of the outline start from each vertex.
         let mut starts = vec![0_u32; mesh.points.len()];
         let bounds = |half: u32| mesh.mates[half as usize] == NONE;

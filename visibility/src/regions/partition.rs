@@ -6,18 +6,19 @@
 use std::collections::VecDeque;
 
 use glam::{DVec2, DVec3};
+use scene::planar::{clip, turn};
 use scene::{Scene, SurfaceId};
 
 use super::ULP;
 use super::locator::{LEAF, Locator, Member, NO_MEMBER, Node, STEEP, Tree};
-use super::outline::{self, Mesh, Outline};
+use super::outline::{self, Outline, RegionMesh};
 
 /// Least width of a clipped surface, as a share of the box's diagonal; [`Locator`] cannot tell narrower ones apart.
 /// In a regular mesh rounding leaves slivers beyond the borders of cells; without this limit each would cost a line.
 const NOTHING: f64 = 1e-6;
 
-/// The most surfaces of a cell whose sides are tried as its next line. Tuned: fans need some choice.
-const TRIED: usize = 4;
+/// The most surfaces of a cell whose sides may become its next line. Tuned: fans need some choice.
+const MOST_SURFACES_ASKED: usize = 4;
 
 /// The most nodes a surface, beside those of the cells.
 const MOST_NODES: usize = 16;
@@ -38,9 +39,9 @@ const OFF: f64 = 0.3;
 /// A vertex lies between two cells that is nearer than this share of a cell.
 const BETWEEN: f64 = 1e-3;
 
-/// Triangles and numbers of cells that are tried, at most.
-const MOST_TRIED_TRIANGLES: usize = 1 << 10;
-const MOST_TRIED_CELLS: usize = 1 << 6;
+/// Triangles and numbers of cells that are looked at, at most.
+const MOST_SAMPLED_TRIANGLES: usize = 1 << 10;
+const MOST_SAMPLED_CELLS: usize = 1 << 6;
 
 /// A region's plane with the box around it.
 pub(super) struct Frame {
@@ -57,7 +58,7 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    pub(super) fn new(mesh: &Mesh, outline: &Outline, point: DVec3) -> Option<Self> {
+    pub(super) fn new(mesh: &RegionMesh, outline: &Outline, point: DVec3) -> Option<Self> {
         let up = mesh.normal.cross(outline.direction).try_normalize()?;
         let right = up.cross(mesh.normal).try_normalize()?;
         let mut places: Vec<DVec2> = mesh
@@ -97,7 +98,13 @@ impl Frame {
         [DVec2::ZERO, twice.with_y(0.0), twice.with_x(0.0)]
     }
 
-    fn member(&self, scene: &Scene, mesh: &Mesh, surface: SurfaceId, triangle: usize) -> Member {
+    fn member(
+        &self,
+        scene: &Scene,
+        mesh: &RegionMesh,
+        surface: SurfaceId,
+        triangle: usize,
+    ) -> Member {
         let tree = scene.mesh().tree(surface);
         let [a, b, c] = self.triangles[triangle];
         let double_area = (b - a).perp_dot(c - a);
@@ -183,7 +190,7 @@ impl Frame {
     /// meshes have few lines in a cell.
     fn aligned(&self, wanted: f64, axis: DVec2) -> u32 {
         let size = self.size.dot(axis);
-        let step = (self.triangles.len() / MOST_TRIED_TRIANGLES).max(1);
+        let step = (self.triangles.len() / MOST_SAMPLED_TRIANGLES).max(1);
         let places: Vec<f64> = self
             .triangles
             .iter()
@@ -200,7 +207,7 @@ impl Frame {
         };
         let first = ((1.0 - OFF) * wanted).ceil().max(1.0) as u32;
         let last = ((1.0 + OFF) * wanted).max(1.0) as u32;
-        let step = (last.saturating_sub(first) as usize / MOST_TRIED_CELLS).max(1);
+        let step = (last.saturating_sub(first) as usize / MOST_SAMPLED_CELLS).max(1);
         let nearest = wanted.round() as u32;
         (first..=last)
             .step_by(step)
@@ -234,9 +241,7 @@ struct Part {
 impl Part {
     fn double_area(&self) -> f64 {
         let p = &self.polygon;
-        (2..p.len())
-            .map(|k| (p[k - 1] - p[0]).perp_dot(p[k] - p[0]))
-            .sum()
+        (2..p.len()).map(|k| turn(p[0], p[k - 1], p[k])).sum()
     }
 
     /// Farthest points to the right of a line (below 0) and to its left, metres.
@@ -251,18 +256,7 @@ impl Part {
 
     /// What is left of a line.
     fn left_of(&self, line: Line) -> Self {
-        let points = &self.polygon;
-        let mut polygon = Vec::with_capacity(points.len() + 1);
-        for (k, &p) in points.iter().enumerate() {
-            let q = points[(k + 1) % points.len()];
-            let (here, there) = (line.left(p), line.left(q));
-            if here >= 0.0 {
-                polygon.push(p);
-            }
-            if (here > 0.0 && there < 0.0) || (here < 0.0 && there > 0.0) {
-                polygon.push(p.lerp(q, here / (here - there)));
-            }
-        }
+        let polygon = clip(&self.polygon, |p| line.left(p));
         Self { polygon, ..*self }
     }
 
@@ -302,7 +296,7 @@ impl Locator {
     pub(super) fn new(
         scene: &Scene,
         surfaces: &[SurfaceId],
-        mesh: &Mesh,
+        mesh: &RegionMesh,
         frame: &Frame,
     ) -> Option<Self> {
         let members: Vec<Member> = surfaces
@@ -463,7 +457,7 @@ fn best_line(frame: &Frame, parts: &[Part], nothing: f64) -> Option<Line> {
             .min_by_key(|(cost, _)| *cost)
             .map(|(_, line)| line)
     };
-    let step = parts.len().div_ceil(TRIED);
+    let step = parts.len().div_ceil(MOST_SURFACES_ASKED);
     best(step).or_else(|| (step > 1).then(|| best(1)).flatten())
 }
 

@@ -9,14 +9,15 @@
 //! pieces).
 
 use glam::DVec2;
+use scene::planar::turn;
 
-use super::outline::{Mesh, NONE, Outline, Turn, next, previous};
+use super::outline::{NONE, Outline, RegionMesh, Turn, next, previous};
 
 /// The most triangles around a vertex that is taken out, at first and in the end. Cutting ears takes
 /// time with the cube of it. Tuned: triangulations have 6 on average.
 const MOST_AROUND: [usize; 2] = [16, 100];
 
-/// How often all vertices are tried for each of these.
+/// How many rounds over all vertices there are for each of these.
 const ROUNDS: usize = 24;
 
 /// Difference of areas, relative, that may come from corners that were dropped as rounding.
@@ -24,7 +25,7 @@ pub(super) const AREA_TOLERANCE: f64 = 1e-6;
 
 /// Corners of convex polygons, counter-clockwise, as vertices of the mesh; `None` where they do not
 /// have the region's area.
-pub(super) fn pieces(mesh: &Mesh, outline: &Outline) -> Option<Vec<Vec<u32>>> {
+pub(super) fn pieces(mesh: &RegionMesh, outline: &Outline) -> Option<Vec<Vec<u32>>> {
     let area = mesh.flat_area();
     let mut triangulation = Triangulation {
         mesh,
@@ -40,16 +41,16 @@ pub(super) fn pieces(mesh: &Mesh, outline: &Outline) -> Option<Vec<Vec<u32>>> {
     })
 }
 
-fn flat_area(mesh: &Mesh, piece: &[u32]) -> f64 {
+fn flat_area(mesh: &RegionMesh, piece: &[u32]) -> f64 {
     let point = |k: usize| mesh.flat[piece[k] as usize];
     (2..piece.len())
-        .map(|k| 0.5 * (point(k - 1) - point(0)).perp_dot(point(k) - point(0)))
+        .map(|k| 0.5 * turn(point(0), point(k - 1), point(k)))
         .sum()
 }
 
 /// Triangles that change. One that is gone has corners [`NONE`].
 struct Triangulation<'a> {
-    mesh: &'a Mesh,
+    mesh: &'a RegionMesh,
     corners: Vec<[u32; 3]>,
     mates: Vec<u32>,
     /// Of each vertex, a half-edge that starts there, on the boundary the first counter-clockwise.
@@ -239,13 +240,10 @@ fn around_last(around: &[u32], corners: &[[u32; 3]], vertex: u32) -> u32 {
     3 * triangle + place.unwrap_or(0) as u32
 }
 
-/// Twice the area of a triangle, above 0 if counter-clockwise.
-fn turn(a: DVec2, b: DVec2, c: DVec2) -> f64 {
-    (b - a).perp_dot(c - a)
-}
-
 /// Which corners of a polygon can be cut off one after the other, as their places in what is left; the last
-/// triangle comes as one too. `None` where that fails.
+/// triangle comes as one too. `None` where that fails. The best shaped ear goes first, which takes the cube of their number
+/// but keeps what is left easy to take apart; an import, whose polygons may be long and must all be cut, takes
+/// the next ear instead ([`scene::obj`]).
 fn ears(points: &[DVec2], mut rest: Vec<u32>) -> Option<Vec<usize>> {
     let mut ears = Vec::with_capacity(rest.len());
     while rest.len() > 2 {

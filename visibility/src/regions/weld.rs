@@ -1,10 +1,8 @@
-//! Corners at the same place as one vertex, and what meets at an edge.
-
-use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
+//! What meets at an edge of surfaces whose corners are welded.
 
 use glam::Vec3;
 use scene::Surface;
+use scene::weld::Vertices;
 
 /// The most surfaces at one edge that are asked whether they are neighbours. More, as in a book's spine,
 /// are no wall, and asking each of them for each other would be quadratic.
@@ -24,22 +22,10 @@ pub(super) struct Welded {
 
 impl Welded {
     pub(super) fn new(surfaces: &[Surface]) -> Self {
-        let mut indices: HashMap<[u32; 3], u32, BuildHasherDefault<Mix>> =
-            HashMap::with_capacity_and_hasher(surfaces.len(), BuildHasherDefault::default());
-        let mut vertices = Vec::with_capacity(surfaces.len());
+        let mut vertices = Vertices::with_capacity(surfaces.len());
         let corners: Vec<[u32; 3]> = surfaces
             .iter()
-            .map(|surface| {
-                surface.corners.map(|p| {
-                    let p = p + Vec3::ZERO; // -0 + 0 = 0
-                    *indices
-                        .entry(p.to_array().map(f32::to_bits))
-                        .or_insert_with(|| {
-                            vertices.push(p);
-                            vertices.len() as u32 - 1
-                        })
-                })
-            })
+            .map(|surface| surface.corners.map(|p| vertices.index(p)))
             .collect();
         let edges = sorted_edges(&corners);
         let mut first = vec![0; 3 * corners.len()];
@@ -51,7 +37,7 @@ impl Welded {
             first[side as usize] = start as u32;
         }
         Self {
-            vertices,
+            vertices: vertices.into_positions(),
             corners,
             edges,
             first,
@@ -86,29 +72,4 @@ pub(super) fn sorted_edges(triangles: &[[u32; 3]]) -> Vec<(u64, u32)> {
         .collect();
     edges.sort_unstable();
     edges
-}
-
-/// Hashes the bits of coordinates, whose low bits are often all 0.
-#[derive(Default)]
-struct Mix(u64);
-
-impl Hasher for Mix {
-    fn finish(&self) -> u64 {
-        let mixed = (self.0 ^ self.0 >> 29).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        mixed ^ mixed >> 32
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        for chunk in bytes.chunks(4) {
-            let mut word = [0; 4];
-            word[..chunk.len()].copy_from_slice(chunk);
-            self.write_u32(u32::from_le_bytes(word));
-        }
-    }
-
-    fn write_u32(&mut self, word: u32) {
-        self.0 = (self.0 ^ u64::from(word))
-            .wrapping_mul(0x9e37_79b9_7f4a_7c15)
-            .rotate_left(26);
-    }
 }

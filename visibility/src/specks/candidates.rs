@@ -25,7 +25,7 @@ pub(crate) const MOST_PIXELS: i32 = 24;
 
 /// A pixel is a candidate if its centre lies in the triangle grown by this much along both axes, in pixels: above the
 /// margins of fronts ([`MOST_MARGIN`]) and the rounding of places to f32, 2^-8 where they are largest.
-pub(crate) const ROOM: f32 = 1.0 / 64.0;
+pub(crate) const GROWTH: f32 = 1.0 / 64.0;
 
 /// Which pixels of a rectangle a triangle may hold the centres of, as bits, row by row; there are [`MOST_PIXELS`] at
 /// most. The corners' places are relative to the first pixel's centre, in pixels.
@@ -44,10 +44,10 @@ pub(crate) fn held<S: Simd>(simd: S, x: [f32; 3], y: [f32; 3], columns: i32, row
         for k in 0..3 {
             let next = (k + 1) % 3;
             let (dx, dy) = (x[next] - x[k], y[next] - y[k]);
-            let room = ROOM * (dx.abs() + dy.abs());
+            let growth = GROWTH * (dx.abs() + dy.abs());
             let across = (j - y[k]) * dx - (i - x[k]) * dy;
-            is_left &= across.simd_ge(-room).to_bitmask();
-            is_right &= across.simd_le(room).to_bitmask();
+            is_left &= across.simd_ge(-growth).to_bitmask();
+            is_right &= across.simd_le(growth).to_bitmask();
         }
         held |= ((is_left | is_right) as u32) << first;
     }

@@ -12,7 +12,7 @@ use std::f64::consts::SQRT_2;
 use fearless_simd::{Simd, f32x8, i32x4, i32x8, prelude::*};
 use glam::{DVec3, Vec3};
 
-use super::candidates::{Candidates, MOST_PIXELS, ROOM, Target, held};
+use super::candidates::{Candidates, GROWTH, MOST_PIXELS, Target, held};
 use super::clusters::{Cluster, Clusters, Kind, LANES, REGIONS};
 use super::hierarchical_depth::Rectangle;
 use crate::rounding::BOX_MARGIN;
@@ -121,9 +121,9 @@ impl Camera {
         let among = |low: f64, high: f64, corner: f64, count: usize| {
             let low = low * if low < 0.0 { inverse[0] } else { inverse[1] };
             let high = high * if high < 0.0 { inverse[1] } else { inverse[0] };
-            let room = f64::from(ROOM);
-            let first = low * self.scale - corner - 0.5 - room;
-            let last = high * self.scale - corner - 0.5 + room;
+            let growth = f64::from(GROWTH);
+            let first = low * self.scale - corner - 0.5 - growth;
+            let last = high * self.scale - corner - 0.5 + growth;
             first.max(0.0).ceil() as usize..(last.max(-1.0) + 1.0).min(count as f64) as usize
         };
         let columns = among(low_x, high_x, self.left, self.width);
@@ -173,10 +173,10 @@ impl Camera {
             let y = (q[0] * up.x + q[1] * up.y + q[2] * up.z) * scale - bottom;
             x.store_slice(&mut to_x[part.clone()]);
             y.store_slice(&mut to_y[part]);
-            let right = (x + ROOM).floor().min(last_column);
-            let up = (y + ROOM).floor().min(last_row);
-            let left = (f32x8::splat(simd, ROOM) - x).floor().min(first_column);
-            let down = (f32x8::splat(simd, ROOM) - y).floor().min(first_row);
+            let right = (x + GROWTH).floor().min(last_column);
+            let up = (y + GROWTH).floor().min(last_row);
+            let left = (f32x8::splat(simd, GROWTH) - x).floor().min(first_column);
+            let down = (f32x8::splat(simd, GROWTH) - y).floor().min(first_row);
             let (even, odd) = (right.interleave(left), up.interleave(down));
             let (low, high) = (even.0.interleave(odd.0), even.1.interleave(odd.1));
             for (k, four) in [low.0, low.1, high.0, high.1].into_iter().enumerate() {

@@ -34,7 +34,7 @@ use crate::hemicube::{FACES, MAX_RESOLUTION};
 use crate::spans::Projection;
 use crate::vectors::Vectors;
 use crate::{Frame, Window};
-use candidates::{Candidates, MOST_PIXELS, ROOM, held};
+use candidates::{Candidates, GROWTH, MOST_PIXELS, held};
 use clusters::{Cluster, Kind, LANES, REGIONS};
 use distant::Distant;
 
@@ -129,16 +129,16 @@ impl Specks {
     ) {
         self.place(simd, clusters.vertices_of(cluster), &at.frame, resolution);
         for (count, specks) in &mut self.of_faces {
-            let room = *count + REGIONS;
-            if specks.len() < room {
-                specks.resize(2 * room, Speck::default());
+            let needed = *count + REGIONS;
+            if specks.len() < needed {
+                specks.resize(2 * needed, Speck::default());
             }
         }
         let most_pixels = match cluster.kind {
             Kind::Triangles => MOST_PIXELS,
             _ => 0,
         };
-        let to_last = [ROOM - 0.5, ROOM - 0.5, ROOM + 0.5, ROOM + 0.5];
+        let to_last = [GROWTH - 0.5, GROWTH - 0.5, GROWTH + 0.5, GROWTH + 0.5];
         let to_last = f32x4::from_slice(simd, &to_last);
         for place in cluster.places() {
             let region = clusters.regions[place];

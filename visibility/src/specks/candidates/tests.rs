@@ -20,7 +20,7 @@ fn inside(x: [f32; 3], y: [f32; 3], [i, j]: [i32; 2]) -> f64 {
 }
 
 proptest! {
-    /// All that are inside or within room of the sides, and none besides. Of places below 28 pixels f32 takes
+    /// All that are inside or within [`GROWTH`] of the sides, and none besides. Of places below 28 pixels f32 takes
     /// differences right to 28 x 2^-24; over the least side's 0.05 and times 28 pixels that is 9.3e-4, and products
     /// round by less.
     #[test]
@@ -46,9 +46,9 @@ proptest! {
                 prop_assert!(!is_held, "{at:?} is no pixel");
                 continue;
             }
-            let room = inside(x, y, at) + f64::from(ROOM);
-            prop_assert!(is_held || room < ROUNDING, "{at:?} is lost");
-            prop_assert!(!is_held || room > -ROUNDING, "{at:?} is held");
+            let within = inside(x, y, at) + f64::from(GROWTH);
+            prop_assert!(is_held || within < ROUNDING, "{at:?} is lost");
+            prop_assert!(!is_held || within > -ROUNDING, "{at:?} is held");
         }
     }
 }
