@@ -57,11 +57,9 @@ pub fn workspace() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// A copied file of this crate's `tests/data`.
+/// A file of the reference data, which `compute verify` has too.
 pub fn data(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("tests/data")
-        .join(name)
+    workspace().join("compute/src/verify/data").join(name)
 }
 
 /// A folder that is removed at the end of the test.

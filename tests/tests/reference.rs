@@ -1,4 +1,4 @@
-//! The Cornell box and a columned room against a path tracer's solution (`data/README.md`).
+//! The Cornell box and a columned room against a path tracer's solution (`compute/src/verify/data/README.md`).
 
 use glam::DVec3;
 use tests::{PatchRow, Table, data, folder, patches, reflected_error, run};

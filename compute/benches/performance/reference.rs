@@ -9,7 +9,7 @@ use crate::scenes;
 use crate::text::{count, figures, heading, table};
 
 /// Where the scenes are.
-const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/tests/data");
+const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/verify/data");
 
 /// File, name, and the seconds that a solution should take on two cores.
 const SCENES: [(&str, &str, f64); 2] = [
@@ -26,9 +26,6 @@ pub fn section(plan: &Plan, program: &Program) -> anyhow::Result<String> {
     let mut rows = Vec::new();
     for (file, name, target) in SCENES {
         let path = Path::new(FOLDER).join(file);
-        if !path.is_file() {
-            continue;
-        }
         eprintln!("performance: {name}");
         let scene = scenes::obj(&path)?;
         let patches = scene.patch_count();
@@ -59,7 +56,7 @@ pub fn section(plan: &Plan, program: &Program) -> anyhow::Result<String> {
     header.extend(STAGES);
     header.extend(["hemicubes", "iterations", "target, s", "verdict"]);
     Ok(format!(
-        "{}The two scenes that the tests compare with a path tracer (`tests/tests/data`), from `compute IN OUT` \
+        "{}The two scenes that the tests compare with a path tracer (`compute/src/verify/data`), from `compute IN OUT` \
          at its defaults to a written result; every triangle is a patch. Each is the run with the median of {runs} \
          totals ({}). The targets are for two cores.\n\n{}",
         heading("Reference scenes"),

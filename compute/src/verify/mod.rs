@@ -31,6 +31,7 @@ use std::io::Write;
 use std::time::{Duration, Instant};
 
 use scene::SceneError;
+use scene::obj::ObjError;
 
 use crate::quantity::show_duration;
 use crate::rows::BackendError;
@@ -103,6 +104,8 @@ pub enum VerifyError {
         case: String,
         source: Box<VerifyError>,
     },
+    #[error(transparent)]
+    Model(#[from] ObjError),
     #[error(transparent)]
     Scene(#[from] SceneError),
     #[error(transparent)]

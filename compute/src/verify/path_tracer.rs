@@ -12,12 +12,14 @@
 //! 0.58 in the room with columns: no solver on these meshes can do better, except by luck. So both are
 //! references.
 
+use std::path::Path;
+
 use glam::DVec3;
-use scene::{Material, Rgb};
+use scene::{Rgb, obj};
 
 use super::VerifyError;
 use super::case::{Case, Expected, Measure, Tolerance};
-use super::shapes::{SceneBuilder, Triangle};
+use super::shapes::SceneBuilder;
 
 /// What is made of the departures from a reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,8 +33,8 @@ pub enum Statistic {
 /// A room and what may be expected there at default settings.
 struct Room {
     name: &'static str,
-    /// In the format that `cornell.txt` describes.
-    data: &'static str,
+    /// The model, its materials and its irradiances, see `data/README.md`.
+    files: [&'static str; 3],
     /// Of the rms error against the path tracer.
     mean: Tolerance,
 }
@@ -40,7 +42,11 @@ struct Room {
 const ROOMS: [Room; 2] = [
     Room {
         name: "cornell box",
-        data: include_str!("cornell.txt"),
+        files: [
+            include_str!("data/cornell.obj"),
+            include_str!("data/cornell.mtl"),
+            include_str!("data/cornell.csv"),
+        ],
         mean: Tolerance {
             relative: 6e-3,
             reason: "constant radiosity a patch 0.35 %, the path tracer's noise 0.09 %, the rest pixels and points",
@@ -48,7 +54,11 @@ const ROOMS: [Room; 2] = [
     },
     Room {
         name: "room with columns",
-        data: include_str!("room.txt"),
+        files: [
+            include_str!("data/room.obj"),
+            include_str!("data/room.mtl"),
+            include_str!("data/room.csv"),
+        ],
         mean: Tolerance {
             relative: 8e-3,
             reason: "constant radiosity a patch 0.58 %, the path tracer's noise 0.08 %, the rest pixels and points",
@@ -80,7 +90,7 @@ fn cases_of(room: &Room) -> Result<[Case; 3], VerifyError> {
         scene,
         mean,
         discrete,
-    } = read(room.data)?;
+    } = read(room)?;
     let case =
         |name: &str, quantity: &str, source: &str, statistic, reference: &[Rgb], tolerance| Case {
             name: format!("{}, {name}", room.name),
@@ -124,76 +134,36 @@ struct Reference {
     discrete: Vec<Rgb>,
 }
 
-/// Reads the format that the file itself describes.
-fn read(text: &str) -> Result<Reference, VerifyError> {
-    let mut materials: Vec<Material> = Vec::new();
-    let mut vertices: Vec<DVec3> = Vec::new();
-    let mut read = Reference {
-        scene: SceneBuilder::default(),
-        mean: Vec::new(),
-        discrete: Vec::new(),
-    };
-    // Neighbours in the file that have one material are one object.
-    let mut object: (usize, Vec<Triangle>) = (0, Vec::new());
-    for (number, line) in text.lines().enumerate() {
-        let bad = || VerifyError::Line { line: number + 1 };
-        let words: Vec<&str> = line.split_whitespace().collect();
-        match words[..] {
-            ["m", name, ref rest @ ..] => {
-                let [reflectance, emission] = triples(rest).ok_or_else(bad)?;
-                materials.push(Material {
-                    name: name.into(),
-                    reflectance: reflectance.as_vec3(),
-                    emission: emission.as_vec3(),
-                });
-            }
-            ["v", ref rest @ ..] => {
-                let [vertex] = triples(rest).ok_or_else(bad)?;
-                vertices.push(vertex);
-            }
-            ["f", material, a, b, c, ref rest @ ..] => {
-                let index = |word: &str| word.parse::<usize>().map_err(|_| bad());
-                let vertex = |word| vertices.get(index(word)?).copied().ok_or_else(bad);
-                let material = index(material)?;
-                if material != object.0 {
-                    let last = std::mem::replace(&mut object, (material, Vec::new()));
-                    read.scene = add(read.scene, &materials, last).ok_or_else(bad)?;
-                }
-                object.1.push([vertex(a)?, vertex(b)?, vertex(c)?]);
-                let [mean, discrete] = triples(rest).ok_or_else(bad)?;
-                read.mean.push(mean.as_vec3());
-                read.discrete.push(discrete.as_vec3());
-            }
-            [] | ["#", ..] => {}
-            _ => return Err(bad()),
-        }
-    }
-    let end = || VerifyError::Line {
-        line: text.lines().count(),
-    };
-    read.scene = add(read.scene, &materials, object).ok_or_else(end)?;
-    Ok(read)
+fn read(room: &Room) -> Result<Reference, VerifyError> {
+    let [model, materials, irradiances] = room.files;
+    let model = obj::parse(Path::new(room.name), model.as_bytes(), materials.as_bytes())?;
+    Ok(Reference {
+        scene: model.into(),
+        mean: column(irradiances, "irradiance")?,
+        discrete: column(irradiances, "irradiance_discrete")?,
+    })
 }
 
-fn add(
-    scene: SceneBuilder,
-    materials: &[Material],
-    (material, triangles): (usize, Vec<Triangle>),
-) -> Option<SceneBuilder> {
-    Some(scene.with_material(materials.get(material)?.clone(), 1, &triangles))
-}
-
-/// N times three numbers, and nothing after them.
-fn triples<const N: usize>(words: &[&str]) -> Option<[DVec3; N]> {
-    let numbers: Vec<f64> = words
-        .iter()
-        .map(|word| word.parse().ok())
-        .collect::<Option<_>>()?;
-    let triples: Vec<DVec3> = numbers
-        .chunks(3)
-        .map(|chunk| <[f64; 3]>::try_from(chunk).ok().map(DVec3::from))
-        .collect::<Option<_>>()?;
-    triples.try_into().ok()
+/// The columns `NAME_r`, `NAME_g`, `NAME_b` of a table.
+fn column(table: &str, name: &str) -> Result<Vec<Rgb>, VerifyError> {
+    let mut lines = table.lines().enumerate();
+    let names: Vec<&str> = lines
+        .next()
+        .map_or("", |(_, line)| line)
+        .split(',')
+        .collect();
+    let columns = ["r", "g", "b"].map(|channel| {
+        let column = format!("{name}_{channel}");
+        names.iter().position(|&name| name == column)
+    });
+    let rows = lines.map(|(index, line)| {
+        let cells: Vec<&str> = line.split(',').collect();
+        let value = |column: Option<usize>| cells.get(column?)?.parse().ok();
+        let [r, g, b] = columns.map(value);
+        let rgb = || Some(Rgb::new(r?, g?, b?));
+        rgb().ok_or(VerifyError::Line { line: index + 1 })
+    });
+    rows.collect()
 }
 
 /// A statistic of the departures of irradiances from a reference, one irradiance per patch.
@@ -232,7 +202,7 @@ mod tests {
     #[test]
     fn the_discrete_solution_is_as_far_from_the_means_as_is_said() {
         for (room, patches, expected) in [(&ROOMS[0], 2082, 0.0035), (&ROOMS[1], 5636, 0.0058)] {
-            let read = read(room.data).unwrap();
+            let read = read(room).unwrap();
             let scene = read.scene.build().unwrap();
             assert_eq!(scene.patch_count(), patches);
             let problem = Problem::new(&scene);
@@ -245,12 +215,15 @@ mod tests {
 
     #[test]
     fn a_broken_line_is_named() {
-        for line in ["v 1 2", "f 0 0 1 2 1 1 1", "m", "x", "v 1 2 three"] {
-            let text = format!("m white .5 .5 .5 0 0 0\n{line}\n");
-            assert!(
-                matches!(read(&text), Err(VerifyError::Line { line: 2 })),
-                "{line}"
-            );
+        let header = "h_r,h_g,h_b";
+        for line in ["1,2", "1,2,three", "", "1;2;3"] {
+            let table = format!("{header}\n1,2,3\n{line}\n");
+            let read = column(&table, "h");
+            assert!(matches!(read, Err(VerifyError::Line { line: 3 })), "{line}");
         }
+        let other = column("x,h_b,h_r,h_g\n0,3,1,2\n", "h").unwrap();
+        assert_eq!(other, [Rgb::new(1.0, 2.0, 3.0)]);
+        let missing = column("h_r,h_g\n1,2\n", "h");
+        assert!(matches!(missing, Err(VerifyError::Line { line: 2 })));
     }
 }

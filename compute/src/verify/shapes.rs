@@ -8,6 +8,7 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use scene::obj::ObjModel;
 use scene::planar::box_sides;
 use scene::{Material, MaterialId, ObjectId, Rgb, Scene, SceneError, Surface};
 
@@ -157,6 +158,20 @@ pub struct SceneBuilder {
     surfaces: Vec<Surface>,
     /// Largest patch area, m^2, one per surface.
     max_areas: Vec<f64>,
+    origin: DVec3,
+}
+
+/// A model whose patches are its triangles.
+impl From<ObjModel> for SceneBuilder {
+    fn from(model: ObjModel) -> Self {
+        Self {
+            max_areas: vec![f64::INFINITY; model.surfaces.len()],
+            materials: model.materials,
+            objects: model.objects,
+            surfaces: model.surfaces,
+            origin: model.origin,
+        }
+    }
 }
 
 impl SceneBuilder {
@@ -224,7 +239,7 @@ impl SceneBuilder {
             self.objects.clone(),
             self.surfaces.clone(),
             &depths,
-            DVec3::ZERO,
+            self.origin,
         )
     }
 }

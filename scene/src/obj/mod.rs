@@ -112,10 +112,32 @@ pub fn load_with_reflectance(path: &Path, reflectance: f32) -> Result<ObjModel, 
     load_with(path, Some(reflectance))
 }
 
+/// Reads the text of an OBJ file and that of the one MTL file that it may name. `name` is what errors call them.
+///
+/// # Errors
+/// As [`load`].
+pub fn parse(name: &Path, obj: &[u8], mtl: &[u8]) -> Result<ObjModel, ObjError> {
+    build(name, obj, None, |_, _| mtl::Library::of(name, mtl))
+}
+
 fn load_with(path: &Path, reflectance: Option<f32>) -> Result<ObjModel, ObjError> {
+    let bytes =
+        std::fs::read(path).map_err(|source| ObjError::new(path, ObjFault::Io { source }))?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    build(path, &bytes, reflectance, |libraries, warnings| {
+        mtl::Library::load(folder, libraries, warnings)
+    })
+}
+
+/// The model of a text, with the materials of the libraries that it names.
+fn build(
+    path: &Path,
+    bytes: &[u8],
+    reflectance: Option<f32>,
+    library: impl FnOnce(&[String], &mut Vec<String>) -> Result<mtl::Library, ObjError>,
+) -> Result<ObjModel, ObjError> {
     let fail = |fault| ObjError::new(path, fault);
-    let bytes = std::fs::read(path).map_err(|source| fail(ObjFault::Io { source }))?;
-    let screened = screen::screen(&bytes).map_err(fail)?;
+    let screened = screen::screen(bytes).map_err(fail)?;
 
     let mut report = ImportReport {
         faces: screened.face_lines.len(),
@@ -129,8 +151,7 @@ fn load_with(path: &Path, reflectance: Option<f32>) -> Result<ObjModel, ObjError
             report.faces + screened.short_faces,
         ));
     }
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let library = mtl::Library::load(folder, &screened.libraries, &mut report.warnings)?;
+    let library = library(&screened.libraries, &mut report.warnings)?;
     let mut materials =
         library.materials_for(&screened.used_materials, reflectance, &mut report.warnings)?;
     if screened.faces_without_material > 0 {

@@ -45,15 +45,21 @@ impl Library {
                     continue;
                 }
             };
-            let parsed = screen(&decode(&bytes)).and_then(|text| {
-                tobj::load_mtl_buf(&mut text.as_bytes()).map_err(ObjFault::Parser)
-            });
-            let (found, _) = parsed.map_err(|fault| ObjError::new(&path, fault))?;
-            for material in found {
-                materials.insert(material.name.clone(), (material, path.clone()));
-            }
+            materials.extend(Self::of(&path, &bytes)?.materials);
         }
         Ok(Self { materials })
+    }
+
+    /// The materials of the text of one file.
+    pub(super) fn of(path: &Path, bytes: &[u8]) -> Result<Self, ObjError> {
+        let parsed = screen(&decode(bytes))
+            .and_then(|text| tobj::load_mtl_buf(&mut text.as_bytes()).map_err(ObjFault::Parser));
+        let (found, _) = parsed.map_err(|fault| ObjError::new(path, fault))?;
+        let named = found.into_iter();
+        let materials = named.map(|material| (material.name.clone(), (material, path.to_owned())));
+        Ok(Self {
+            materials: materials.collect(),
+        })
     }
 
     /// The materials with these names, in this order. `reflectance` stands in for what those that
