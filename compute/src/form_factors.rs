@@ -88,15 +88,32 @@ impl<'a> FormFactors<'a> {
     #[must_use]
     pub fn going_on(self, start: Option<&Solution>, settings: SolutionSettings) -> Self {
         let before = start.and_then(|start| start.provenance.settings.as_ref());
-        let Some(before) = before.filter(|_| self.drawing.backend == BackendChoice::Auto) else {
-            return self;
-        };
-        let Some(mut origin) = RowOrigin::recorded_in(before) else {
+        let recorded = before.and_then(|before| Some((before, RowOrigin::recorded_in(before)?)));
+        let Some((before, origin)) = recorded else {
             return self;
         };
         let mut now = settings.recorded(self.scene.patch_count());
         origin.record_in(&mut now);
-        if *before != now {
+        if *before == now {
+            self.drawn_where(origin)
+        } else {
+            self
+        }
+    }
+
+    /// The same, for who only looks at a solution: where nothing else is asked for, who has drawn its rows draws these.
+    #[must_use]
+    pub fn drawn_as(self, solution: &Solution) -> Self {
+        let recorded = solution.provenance.settings.as_ref();
+        match recorded.and_then(RowOrigin::recorded_in) {
+            Some(origin) => self.drawn_where(origin),
+            None => self,
+        }
+    }
+
+    /// The same, whose rows come from there where nothing else is asked for, and from the CPU if its GPU is missing.
+    fn drawn_where(self, mut origin: RowOrigin) -> Self {
+        if self.drawing.backend != BackendChoice::Auto {
             return self;
         }
         let mut remark = None;

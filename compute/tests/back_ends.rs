@@ -8,7 +8,10 @@ use std::path::Path;
 use std::process::{Command, Output};
 use std::sync::LazyLock;
 
-use common::{bits, block, folder, furnished_room, load, material, program, save, scene, stderr};
+use common::{
+    assert_same, block, folder, furnished_room, load, material, program, save, scene, stderr,
+    stdout,
+};
 use compute::backend::{RowOrigin, agreement};
 use compute::gpu::adapter::Gpu;
 use compute::rows::BackendError;
@@ -50,12 +53,6 @@ fn without_adapters(mut command: Command) -> Command {
     command.env("VK_DRIVER_FILES", "/nowhere.json");
     command.env("VK_ICD_FILENAMES", "/nowhere.json");
     command
-}
-
-#[track_caller]
-fn assert_same(a: &Solution, b: &Solution) {
-    assert!(bits(&a.irradiance) == bits(&b.irradiance));
-    assert_eq!(a, b);
 }
 
 /// A room with two blocks: nobody has formulas there.
@@ -112,7 +109,7 @@ fn a_file_from_the_cpu_goes_on_there_with_the_same_bits_and_without_a_trial() {
             assert_eq!(report["backend"]["name"], "cpu");
             assert_eq!(report["backend"]["trial"], Value::Null);
             let part = load(folder, "part.rad");
-            assert_same(&part, &load(folder, "whole.rad"));
+            assert_same(&part, &load(folder, "whole.rad"), "");
             assert_eq!(origin(&part), "cpu");
         }
     }
@@ -145,7 +142,7 @@ fn a_file_from_the_gpu_goes_on_there_with_the_same_bits_and_without_a_trial() {
     assert_eq!(report(folder)["backend"]["name"], "gpu");
     assert_eq!(report(folder)["backend"]["trial"], Value::Null);
     let part = load(folder, "part.rad");
-    assert_same(&part, &load(folder, "whole.rad"));
+    assert_same(&part, &load(folder, "whole.rad"), "");
     assert_eq!(origin(&part), "gpu");
 }
 
@@ -228,7 +225,35 @@ fn a_file_that_does_not_tell_its_back_end_goes_on_with_any() {
         assert_eq!(out.provenance.residuals.len(), 4);
         assert_eq!(origin(&out), origin_now);
     }
-    assert_same(&load(folder, "out.rad"), &load(folder, "whole.rad"));
+    assert_same(&load(folder, "out.rad"), &load(folder, "whole.rad"), "");
+}
+
+/// Without an adapter the CPU takes over, and says why.
+fn sensors_are_drawn_by_what_drew_for_the_solution() {
+    let folder = folder_with_furnished_room();
+    let folder = folder.path();
+    std::fs::write(folder.join("p.csv"), "x,y,z,nx,ny,nz\n2,1.5,0.1,0,0,1\n").unwrap();
+    let gather = [
+        "gather",
+        "out.rad",
+        "--sensors",
+        "p.csv",
+        "--out",
+        "v.csv",
+        "32",
+        "--backend",
+        "auto",
+    ];
+    for (backend, name) in [("cpu", "cpu"), ("gpu", "gpu")] {
+        let more = ["--backend", backend];
+        run(command(folder, ["in.rad", "out.rad"], "1", &more));
+        let output = run(program(folder, &gather));
+        let said = stdout(&output);
+        assert!(said.contains(&format!("back end       {name}")), "{said}");
+    }
+    let output = run(without_adapters(program(folder, &gather)));
+    assert!(stdout(&output).contains("back end       cpu"), "{output:?}");
+    assert!(stderr(&output).contains("is not used"), "{output:?}");
 }
 
 /// With other settings nothing goes on whose bits could be kept.
@@ -256,6 +281,7 @@ fn main() -> ExitCode {
         a_file_from_the_gpu_goes_on_there_with_the_same_bits_and_without_a_trial,
         where_the_gpu_of_a_file_is_missing_the_cpu_starts_from_its_radiosities,
         another_back_end_that_is_asked_for_is_told_and_starts_from_the_radiosities,
+        sensors_are_drawn_by_what_drew_for_the_solution,
     ];
     tests.extend(laws![|| Ok(()) =>
         a_file_from_the_cpu_goes_on_there_with_the_same_bits_and_without_a_trial,

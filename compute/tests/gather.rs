@@ -38,17 +38,19 @@ fn folder_with(scene: &scene::Scene, table: &str) -> TempDir {
     folder
 }
 
+/// The table `points.csv` to `values.csv`.
+const GATHER: [&str; 7] = [
+    "gather",
+    "solved.rad",
+    "--sensors",
+    "points.csv",
+    "--out",
+    "values.csv",
+    "32",
+];
+
 fn gather(folder: &TempDir) -> String {
-    let arguments = [
-        "gather",
-        "solved.rad",
-        "--sensors",
-        "points.csv",
-        "--out",
-        "values.csv",
-        "32",
-    ];
-    stderr(&solve(folder.path(), &arguments))
+    stderr(&solve(folder.path(), &GATHER))
 }
 
 /// In a furnace every point receives B = E / (1 - rho) from wherever it looks; what comes from the emitters, all of
@@ -199,15 +201,7 @@ fn faulty_tables_are_refused_with_their_lines() {
         ),
     ] {
         fs::write(folder.path().join("points.csv"), table).unwrap();
-        let arguments = [
-            "gather",
-            "solved.rad",
-            "--sensors",
-            "points.csv",
-            "--out",
-            "values.csv",
-        ];
-        let output = compute(folder.path(), &arguments);
+        let output = compute(folder.path(), &GATHER);
         assert_eq!(output.status.code(), Some(1), "{table:?}: {output:?}");
         let message = stderr(&output);
         assert!(message.contains("points.csv"), "{message}");

@@ -6,8 +6,10 @@ use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::Duration;
 
-use common::{bits, files, folder, load, save, signal, solve, start, stderr, stdout, wait_until};
-use scene::{Scene, Solution};
+use common::{
+    assert_same, files, folder, load, save, signal, solve, start, stderr, stdout, wait_until,
+};
+use scene::Scene;
 use serde_json::Value;
 
 /// About 900 patches, each with so many hemicubes that drawing them takes many checkpoint intervals.
@@ -54,16 +56,6 @@ fn hemicubes(report: &Value) -> u64 {
 
 fn read(report: &Value) -> u64 {
     report["rows"]["read"].as_u64().unwrap()
-}
-
-#[track_caller]
-fn assert_same(a: &Solution, b: &Solution) {
-    assert!(
-        bits(&a.irradiance) == bits(&b.irradiance),
-        "the bits differ"
-    );
-    assert!(a.state == b.state);
-    assert_eq!(a.provenance, b.provenance);
 }
 
 /// A run that never stops: its report. The solution is in `whole.rad`.
@@ -128,6 +120,7 @@ fn stopped_and_continued_it_draws_what_is_missing_and_is_as_never_stopped() {
             assert_same(
                 &load(folder.path(), "out.rad"),
                 &load(folder.path(), "whole.rad"),
+                "",
             );
             assert!(read(&report) > 0, "{what}");
             if memory == "1GiB" {
@@ -162,6 +155,7 @@ fn both_runs_together_draw_each_row_once() {
     assert_same(
         &load(folder.path(), "out.rad"),
         &load(folder.path(), "whole.rad"),
+        "",
     );
     for part in ["certificate", "closure", "energy", "back_face_share"] {
         assert_eq!(second[part], unbroken[part], "{part}");
@@ -194,6 +188,7 @@ fn killed_at_any_moment_its_rows_are_used_and_the_bits_are_the_same() {
     assert_same(
         &load(folder.path(), "out.rad"),
         &load(folder.path(), "whole.rad"),
+        "",
     );
     assert_eq!(report["certificate"], unbroken["certificate"]);
     // What was killed while it wrote a solution may leave that.
@@ -273,6 +268,7 @@ fn rows_of_coarse_sources_are_kept_and_those_of_gathering_patches_are_not() {
     assert_same(
         &load(folder.path(), "out.rad"),
         &load(folder.path(), "whole.rad"),
+        "",
     );
     assert_eq!(report["certificate"], unbroken["certificate"]);
     let (report, _) = run(folder.path(), "in.rad", "out.rad", &more);

@@ -40,7 +40,7 @@ pub enum Strategy {
 const FEWEST_REGIONS: usize = 1 << 10;
 
 /// Rays are cast instead of drawing all pieces from so many pieces a pixel on. Tuned, at 128 pixels, on the scenes of
-/// `benches/dense.rs`: a box full of small bodies, of which most are hidden, and a bumpy sphere seen from inside.
+/// `benches/dense.rs`: a box full of small bodies, and a bumpy sphere seen from inside.
 const PIECES_PER_PIXEL: f64 = 3.0;
 
 /// Fewer pixels count as this many: rays for them have their common costs too, and small scenes need no hierarchy.

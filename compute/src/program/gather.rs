@@ -46,7 +46,7 @@ fn gather_all(settings: &GatherSettings, cancel: &CancelToken) -> anyhow::Result
         backend: settings.backend,
         ..Drawing::default()
     };
-    let form_factors = FormFactors::new(&scene, settings.form_factors, drawing);
+    let form_factors = FormFactors::new(&scene, settings.form_factors, drawing).drawn_as(&solution);
     let mut gathering = Gathering::new(&form_factors, &solution, table.sensors())?;
     if let Some(remark) = gathering.remark() {
         eprintln!("compute: {remark}");

@@ -8,7 +8,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use scene::{Rgb, Scene, Solution, Surface};
+use scene::{Rgb, Scene, Solution, State, Surface};
 use tempfile::TempDir;
 pub use test_scenes::*;
 
@@ -123,6 +123,25 @@ pub fn bits(values: &[Rgb]) -> Vec<[u32; 3]> {
         .iter()
         .map(|value| value.to_array().map(f32::to_bits))
         .collect()
+}
+
+/// All bits a run goes on from, and the iterations it has had.
+pub fn state(solution: &Solution) -> (Vec<Vec<[u32; 3]>>, u64) {
+    let mut arrays = vec![&solution.irradiance];
+    match &solution.state {
+        State::AtRest => {}
+        State::Unfinished { irradiance } => arrays.push(irradiance),
+        State::Shooting { unshot, remainder } => arrays.extend([unshot, remainder]),
+    }
+    let arrays = arrays.into_iter().map(|values| bits(values));
+    (arrays.collect(), solution.provenance.iterations)
+}
+
+/// Two solutions go on with the same bits, and have come about in the same way.
+#[track_caller]
+pub fn assert_same(a: &Solution, b: &Solution, what: &str) {
+    assert!(state(a) == state(b), "{what}: the bits differ");
+    assert_eq!(a.provenance, b.provenance, "{what}");
 }
 
 /// Names of all files in a folder, those with a leading dot included.

@@ -1,6 +1,8 @@
 //! What the tests of this folder share.
 #![allow(dead_code)] // each test binary uses a part
 
+pub mod damage;
+
 use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};

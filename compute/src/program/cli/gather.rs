@@ -33,7 +33,7 @@ pub(super) struct GatherArguments {
     #[arg(long, default_value = "auto", value_parser = choice(&[
         ("auto", LampViews::Auto), ("off", LampViews::Off), ("all", LampViews::All)]))]
     lamps: LampViews,
-    /// Who draws, as in a run
+    /// Who draws: auto keeps who has drawn for SOLVED, else chooses as a run does
     #[arg(long, default_value = "auto", value_parser = backend_parser())]
     backend: BackendChoice,
     /// Threads of the CPU; one for each core if not given
