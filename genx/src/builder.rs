@@ -6,6 +6,8 @@
 use glam::DVec3;
 use scene::{Material, MaterialId, ObjectId, Rgb, Scene, SceneError, Surface};
 
+use crate::changes::Parts;
+
 /// What a surface is made of and what it is part of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
@@ -155,6 +157,15 @@ impl Builder {
                 self.rectangle(across(0, x[side]), y, z, look);
                 self.rectangle(across(2, z[side]), x, y, look);
             }
+        }
+    }
+
+    /// What may still change.
+    pub fn parts(&mut self) -> Parts<'_> {
+        Parts {
+            materials: &mut self.materials,
+            objects: &self.objects,
+            surfaces: &mut self.surfaces,
         }
     }
 

@@ -5,8 +5,10 @@ use std::path::PathBuf;
 
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser};
-use genx::{Model, Settings};
+use genx::{Change, Look, Model, Settings};
+use scene::Rgb;
 use scene::file::is_same_file;
+use scene::obj::Orient;
 
 /// What the user asks for.
 pub struct Request {
@@ -14,6 +16,8 @@ pub struct Request {
     pub out: PathBuf,
     /// What goes into it.
     pub settings: Settings,
+    /// Whether objects and materials are listed.
+    pub is_listed: bool,
 }
 
 /// Why there is nothing to do: a usage error, or help or the version was asked for.
@@ -49,8 +53,8 @@ Models:
   furnace  a closed unit box whose walls all emit and reflect alike: the solution is
            LIGHT_POWER / (1 - REFLECTANCE) everywhere
   FILE.obj triangles and polygons of a Wavefront OBJ file; Kd of its MTL file is the
-           reflectance, Ke the emission (exitance, W/m^2); polygons are fanned, concave ones
-           cut so that nothing overlaps
+           reflectance, Ke the emission (exitance, W/m^2), map_Kd a texture of which each
+           triangle has the mean; polygons are fanned, concave ones cut so that nothing overlaps
 
 REFLECTANCE replaces the colours by one grey: of all surfaces in models 1 to 3 and furnace, of all
 materials that do not emit in cornell and FILE.obj. LIGHT_POWER is the exitance of every lamp in
@@ -70,7 +74,10 @@ Examples:
   genx cube.rad 1 2.5 0.15 100000       the thesis's example
   genx hall.rad 2 --max-area 1          a finer hall in its own colours
   genx box.rad cornell
-  genx mine.rad mine.obj --max-area inf one patch for each triangle of the file";
+  genx mine.rad mine.obj --max-area inf one patch for each triangle of the file
+  genx mine.rad mine.obj --list         the names of its objects and materials
+  genx mine.rad mine.obj --light Lamp=50,45,40 --reflectance Wall=0.8
+                                        light and paint for what has these names";
 
 /// Makes a scene for `compute` to solve: a test model, or an OBJ file.
 ///
@@ -97,6 +104,48 @@ struct Arguments {
     /// The same as AREA_THRESHOLD, with the model's own reflectances and lamps
     #[arg(long, value_name = "A")]
     max_area: Option<f64>,
+    /// The largest reflectance that FILE.obj may have; without it, what is 1 or more is taken as 0.95, and all else as it is
+    #[arg(long, value_name = "R")]
+    max_reflectance: Option<f32>,
+    /// Which side of a face of FILE.obj is its front: auto (as it is wound, but faces of a minority that is wound against
+    /// the file's own normals are turned), normals, or winding
+    #[arg(long, default_value = "auto", value_parser = ORIENTS.map(|(name, _)| name))]
+    orient: String,
+    /// Give a material or an object this reflectance
+    #[arg(long = "reflectance", value_name = "NAME=R,G,B", value_parser = named_colour)]
+    reflectance_of: Vec<(String, Rgb)>,
+    /// Give a material or an object this exitance, W/m^2
+    #[arg(long, value_name = "NAME=R,G,B", value_parser = named_colour)]
+    light: Vec<(String, Rgb)>,
+    /// Let all surfaces of a material or an object emit this power together, W
+    #[arg(long = "light-power", value_name = "NAME=W", value_parser = named_colour)]
+    light_power_of: Vec<(String, Rgb)>,
+    /// Print the objects and materials with their areas
+    #[arg(long)]
+    list: bool,
+}
+
+/// The words of --orient.
+const ORIENTS: [(&str, Orient); 3] = [
+    ("auto", Orient::Auto),
+    ("normals", Orient::Normals),
+    ("winding", Orient::Winding),
+];
+
+/// A name and one number or three; the last "=" ends the name.
+fn named_colour(text: &str) -> Result<(String, Rgb), String> {
+    let wrong =
+        || format!("\"{text}\" is not a name, \"=\", and one number or three, as in lamp=50,40,30");
+    let (name, values) = text.rsplit_once('=').ok_or_else(wrong)?;
+    let values: Vec<f32> = values
+        .split(',')
+        .map(|value| value.trim().parse().map_err(|_| wrong()))
+        .collect::<Result<_, _>>()?;
+    match values[..] {
+        [grey] => Ok((name.to_owned(), Rgb::splat(grey))),
+        [r, g, b] => Ok((name.to_owned(), Rgb::new(r, g, b))),
+        _ => Err(wrong()),
+    }
 }
 
 /// Reads the arguments, the program's name first.
@@ -127,6 +176,17 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Request, S
         max_area: arguments.area_threshold.or(arguments.max_area),
         reflectance: arguments.reflectance,
         light_power: arguments.light_power,
+        max_reflectance: arguments.max_reflectance,
+        orient: ORIENTS
+            .into_iter()
+            .find(|(name, _)| *name == arguments.orient)
+            .map_or(Orient::Auto, |(_, orient)| orient),
+        changes: [
+            changes(arguments.reflectance_of, Look::Reflectance),
+            changes(arguments.light, Look::Emission),
+            changes(arguments.light_power_of, Look::Power),
+        ]
+        .concat(),
     };
     settings.validate().map_err(|e| invalid(&e))?;
     if let Model::Obj(input) = &settings.model
@@ -140,5 +200,15 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Request, S
     Ok(Request {
         out: arguments.out,
         settings,
+        is_listed: arguments.list,
     })
+}
+
+/// What names are given.
+fn changes(names: Vec<(String, Rgb)>, look: fn(Rgb) -> Look) -> Vec<Change> {
+    let to = |(name, rgb)| Change {
+        name,
+        to: look(rgb),
+    };
+    names.into_iter().map(to).collect()
 }

@@ -8,10 +8,12 @@
 //! Lengths are metres with y up, exitances W/m^2, colours linear RGB.
 
 mod builder;
+mod changes;
 mod grid;
 mod models;
 mod settings;
 
+pub use changes::{Change, Look, UnknownName};
 pub use models::make;
 pub use settings::{Model, Settings, SettingsError, UnknownModel};
 
@@ -24,6 +26,8 @@ pub struct Made {
     pub warnings: Vec<String>,
     /// What was read, when it came from a file.
     pub imported: Option<Imported>,
+    /// All files that were read, or asked for.
+    pub files: Vec<std::path::PathBuf>,
 }
 
 /// What an OBJ file held.
@@ -44,9 +48,9 @@ pub enum GenxError {
     /// The OBJ file cannot be used.
     #[error(transparent)]
     Obj(#[from] scene::obj::ObjError),
-    /// A reflectance of the OBJ file's materials is out of range.
-    #[error("{0}, or give a REFLECTANCE for all materials that do not emit")]
-    Reflectance(scene::obj::ObjError),
+    /// Something is to change that is not there.
+    #[error(transparent)]
+    UnknownName(#[from] UnknownName),
     /// The result is no valid scene, for example for too many patches.
     #[error(transparent)]
     Scene(#[from] scene::SceneError),

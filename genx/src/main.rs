@@ -1,6 +1,7 @@
 //! `genx`: makes a scene file from a model. See `genx --help`.
 
 mod cli;
+mod list;
 mod run;
 
 use std::process::ExitCode;

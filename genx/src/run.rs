@@ -4,25 +4,39 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
 
+use anyhow::bail;
 use genx::Made;
 use scene::Scene;
-use scene::file::OutputLock;
+use scene::file::{OutputLock, is_same_file};
 
 use crate::cli::Request;
+use crate::list;
 
 /// Does what was asked for.
 pub fn run(request: &Request) -> anyhow::Result<()> {
     // First, so that a missing folder or another program's lock is known before any work.
     let _lock = OutputLock::acquire(&request.out)?;
     let made = genx::make(&request.settings)?;
+    if let Some(read) = made
+        .files
+        .iter()
+        .find(|read| is_same_file(read, &request.out))
+    {
+        bail!(
+            "OUT is a file of the model, {}; choose another name",
+            read.display()
+        );
+    }
     scene::file::save(&request.out, &made.scene, None)?;
     for warning in &made.warnings {
         eprintln!("genx: warning: {warning}");
     }
+    let mut text = summary(&request.out, &made);
+    if request.is_listed {
+        text += &list::of(&made.scene);
+    }
     // The file is written: a reader that has gone away is no failure.
-    std::io::stdout()
-        .write_all(summary(&request.out, &made).as_bytes())
-        .ok();
+    std::io::stdout().write_all(text.as_bytes()).ok();
     Ok(())
 }
 

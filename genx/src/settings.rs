@@ -3,6 +3,11 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
+use scene::Rgb;
+use scene::obj::{ImportOptions, Orient};
+
+use crate::changes::{Change, Look};
+
 /// The models.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Model {
@@ -68,10 +73,16 @@ pub struct Settings {
     /// their emissions and scale the brightest channel of the brightest one to this; elsewhere
     /// every lamp emits this in each channel.
     pub light_power: Option<f32>,
+    /// The largest reflectance of `Obj`'s materials, dimensionless, in [0, 1), see [`ImportOptions`].
+    pub max_reflectance: Option<f32>,
+    /// Which side of `Obj`'s faces is their front.
+    pub orient: Orient,
+    /// What materials and objects are given by name, after all else.
+    pub changes: Vec<Change>,
 }
 
 /// A setting outside its range.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs)] // the fields are the values the messages show
 pub enum SettingsError {
     #[error(
@@ -82,6 +93,16 @@ pub enum SettingsError {
     Reflectance { value: f32 },
     #[error("LIGHT_POWER {value} W/m^2 is not a finite number >= 0")]
     LightPower { value: f32 },
+    #[error(
+        "--max-reflectance {value} is outside [0, 1); a surface cannot reflect all it receives"
+    )]
+    MaxReflectance { value: f32 },
+    #[error(
+        "--reflectance \"{name}\": {value} is outside [0, 1); a surface cannot reflect all it receives"
+    )]
+    ReflectanceOf { name: String, value: f32 },
+    #[error("the light of \"{name}\": {value} is not a finite number >= 0")]
+    LightOf { name: String, value: f32 },
 }
 
 impl Settings {
@@ -92,6 +113,18 @@ impl Settings {
             max_area: None,
             reflectance: None,
             light_power: None,
+            max_reflectance: None,
+            orient: Orient::Auto,
+            changes: Vec::new(),
+        }
+    }
+
+    /// How an OBJ file is to be taken.
+    pub fn import(&self) -> ImportOptions {
+        ImportOptions {
+            reflectance: self.reflectance,
+            max_reflectance: self.max_reflectance,
+            orient: self.orient,
         }
     }
 
@@ -112,6 +145,37 @@ impl Settings {
         {
             return Err(SettingsError::LightPower { value });
         }
+        if let Some(value) = self.max_reflectance
+            && !(0.0..1.0).contains(&value)
+        {
+            return Err(SettingsError::MaxReflectance { value });
+        }
+        for Change { name, to } in &self.changes {
+            let name = || name.clone();
+            match to {
+                Look::Reflectance(rgb) => {
+                    if let Some(value) = outside(*rgb, |value| (0.0..1.0).contains(&value)) {
+                        return Err(SettingsError::ReflectanceOf {
+                            name: name(),
+                            value,
+                        });
+                    }
+                }
+                Look::Emission(rgb) | Look::Power(rgb) => {
+                    if let Some(value) = outside(*rgb, |v| v >= 0.0 && v.is_finite()) {
+                        return Err(SettingsError::LightOf {
+                            name: name(),
+                            value,
+                        });
+                    }
+                }
+            }
+        }
         Ok(())
     }
+}
+
+/// The first channel that is not as it should be.
+fn outside(rgb: Rgb, is_good: impl Fn(f32) -> bool) -> Option<f32> {
+    rgb.to_array().into_iter().find(|&value| !is_good(value))
 }

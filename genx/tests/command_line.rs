@@ -303,19 +303,38 @@ fn an_obj_file_without_emitters_or_mtl_is_made_with_warnings() {
     assert_eq!(load(&folder, "out.rad").patch_count(), 1);
 }
 
+/// White as most programs write it, which no solution could have, is nearly white.
 #[test]
-fn reflectance_stands_in_for_a_white_that_no_solution_could_have() {
+fn white_is_nearly_white_unless_it_is_given_something_else() {
     let folder = folder();
     write_obj(&folder, "model.obj");
-    let mtl = "newmtl lamp\nKd 0.2\nKe 4 2 1\nnewmtl floor\nKd 1.0 1.0 1.0\n";
+    let mtl = "newmtl lamp\nKd 0.9999\nKe 4 2 1\nnewmtl floor\nKd 1.0 0.5 1.5\n";
     std::fs::write(folder.path().join("model.mtl"), mtl).unwrap();
-    let message = failure(&folder, &["out.rad", "model.obj"]);
-    for word in ["model.mtl", "\"floor\"", "clamp it", "REFLECTANCE"] {
-        assert!(message.contains(word), "{word} is missing in {message}");
+    let reflectances = |more: &[&str]| {
+        let output = genx(&folder, &[&["out.rad", "model.obj"], more].concat());
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        let scene = load(&folder, "out.rad");
+        let of = |name: &str| {
+            let mut materials = scene.materials().iter();
+            materials.find(|m| m.name == name).unwrap().reflectance
+        };
+        let said = String::from_utf8(output.stderr).unwrap();
+        ([of("lamp"), of("floor")], said)
+    };
+    let lamp = Rgb::splat(0.9999);
+    let (found, said) = reflectances(&[]);
+    assert_eq!(found, [lamp, Rgb::new(0.95, 0.5, 0.95)]);
+    assert_eq!(said.lines().count(), 1, "{said}");
+    for word in ["\"floor\"", "1 0.5 1.5", "--reflectance \"floor\"=R,G,B"] {
+        assert!(said.contains(word), "{word} is missing in {said}");
     }
-    make(&folder, &["out.rad", "model.obj", "inf", "0.25", "8"]);
-    let scene = load(&folder, "out.rad");
-    assert_eq!(scene.materials()[0].reflectance, Rgb::splat(0.25));
+    let (found, _) = reflectances(&["--max-reflectance", "0.8"]);
+    assert_eq!(found, [Rgb::splat(0.8), Rgb::new(0.8, 0.5, 0.8)]);
+    let (found, _) = reflectances(&["--reflectance", "floor=0.9,0.8,0.7"]);
+    assert_eq!(found, [lamp, Rgb::new(0.9, 0.8, 0.7)]);
+    let (found, said) = reflectances(&["inf", "0.25", "8"]);
+    assert_eq!(found, [lamp, Rgb::splat(0.25)]);
+    assert_eq!(said, "");
 }
 
 #[test]
@@ -395,12 +414,13 @@ fn the_model_is_never_overwritten_by_its_scene() {
 #[test]
 fn file_keeps_the_faces_of_an_import_and_the_numbers_of_a_models_surfaces() {
     let folder = folder();
-    let obj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 2\nf 1 2 3 4\nf 3 3 3\nf 1 2 3\n";
+    let obj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 2\nf 1 2 3 4\nf 3 3 3\nf 1 2 3\nf 3 2 1\n";
     std::fs::write(folder.path().join("a.obj"), obj).unwrap();
     make(&folder, &["a.rad", "a.obj"]);
     let scene = load(&folder, "a.rad");
     assert!(scene.patch_count() > 3);
-    assert_eq!(scene.faces(), [1, 2, 4]);
+    // Of the triangles 1 and 4, which are the same, one is left; 5 faces the other way.
+    assert_eq!(scene.faces(), [1, 2, 5]);
     make(&folder, &["cube.rad", "1"]);
     let scene = load(&folder, "cube.rad");
     let numbers: Vec<u32> = (0..scene.surfaces().len() as u32).collect();

@@ -83,10 +83,10 @@ fn every_point_of_the_published_surfaces_lies_on_a_like_surface() {
 fn given_reflectance_leaves_the_light_and_given_power_keeps_its_colour() {
     let published = made(Model::Cornell);
     let settings = Settings {
-        model: Model::Cornell,
         max_area: None,
         reflectance: Some(0.25),
         light_power: Some(10.0),
+        ..Settings::new(Model::Cornell)
     };
     let scene = make(&settings).unwrap().scene;
     for (material, before) in scene.materials().iter().zip(published.materials()) {

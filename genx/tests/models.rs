@@ -258,10 +258,10 @@ fn everything_in_a_generated_scene_has_a_user() {
 fn given_reflectance_and_power_hold_for_every_surface_and_lamp_of_the_thesis_models() {
     for model in [Model::Cube, Model::Hall, Model::Bend] {
         let settings = Settings {
-            model: model.clone(),
             max_area: Some(2.5),
             reflectance: Some(0.15),
             light_power: Some(100_000.0),
+            ..Settings::new(model.clone())
         };
         let scene = make(&settings).unwrap().scene;
         for material in scene.materials() {
@@ -323,10 +323,10 @@ fn settings_outside_their_ranges_make_nothing() {
         (None, None, Some(f32::NAN)),
     ] {
         let settings = Settings {
-            model: Model::Furnace,
             max_area,
             reflectance,
             light_power,
+            ..Settings::new(Model::Furnace)
         };
         let error = make(&settings).unwrap_err();
         assert!(

@@ -14,7 +14,10 @@ fn through_obj(scene: &Scene) -> Scene {
     obj::save(&path, scene).unwrap();
     assert_eq!(listing(folder.path()), ["a b.mtl", "a b.obj"]);
     let model = scene::obj::load(&path).unwrap();
-    assert_eq!(model.report.warnings, [""; 0]);
+    // Patches alternate between objects, which is told.
+    let mut warnings = model.report.warnings;
+    warnings.retain(|warning| !warning.starts_with("objects of one name"));
+    assert_eq!(warnings, [""; 0]);
     Scene::with_max_area(
         model.materials,
         model.objects,
@@ -133,8 +136,8 @@ fn names_that_obj_cannot_hold_are_changed_so_that_the_import_finds_them() {
             "a_Kd 1 1 1",
             "two words",
             "#\\",
-            "room _2",
-            "_ _#",
+            "room #2",
+            "# ##",
         ]
     );
     assert_eq!(again.objects(), ["first_f 9 9 9", "object"]);

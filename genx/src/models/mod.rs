@@ -37,18 +37,20 @@ pub fn make(settings: &Settings) -> Result<Made, GenxError> {
     };
     if made.scene.emitted_power().max_element() <= 0.0 {
         made.warnings.push(
-            "nothing emits, so every solution is black; give a material an emission (MTL: Ke)"
+            "nothing emits, so every solution is black; give a material an emission (MTL: Ke), or a material or object a light: --light NAME=R,G,B"
                 .to_owned(),
         );
     }
     Ok(made)
 }
 
-fn generated(builder: Builder, max_area: f64, settings: &Settings) -> Result<Made, GenxError> {
+fn generated(mut builder: Builder, max_area: f64, settings: &Settings) -> Result<Made, GenxError> {
+    builder.parts().change(&settings.changes)?;
     Ok(Made {
         scene: builder.finish(settings.max_area.unwrap_or(max_area))?,
         warnings: Vec::new(),
         imported: None,
+        files: Vec::new(),
     })
 }
 

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use scene::obj::ObjFault;
-use scene::{SceneError, Surface};
+use scene::Surface;
 
 use super::override_materials;
+use crate::changes::Parts;
 use crate::{GenxError, Imported, Made, Settings};
 
 /// The default area threshold is the model's area over this: at least so many patches, enough to
@@ -13,19 +13,21 @@ use crate::{GenxError, Imported, Made, Settings};
 const DEFAULT_PATCHES: f64 = 4000.0;
 
 pub fn import(path: &Path, settings: &Settings) -> Result<Made, GenxError> {
-    let mut model = match settings.reflectance {
-        Some(reflectance) => scene::obj::load_with_reflectance(path, reflectance)?,
-        None => scene::obj::load(path).map_err(|error| match error.fault {
-            ObjFault::Material(SceneError::Reflectance { .. }) => GenxError::Reflectance(error),
-            _ => error.into(),
-        })?,
-    };
+    let mut model = scene::obj::load_with(path, &settings.import())?;
     override_materials(&mut model.materials, settings);
+    let mut parts = Parts {
+        materials: &mut model.materials,
+        objects: &model.objects,
+        surfaces: &mut model.surfaces,
+    };
+    parts.change(&settings.changes)?;
     let max_area = settings.max_area.unwrap_or_else(|| {
         let area: f64 = model.surfaces.iter().map(Surface::area).sum();
         area / DEFAULT_PATCHES
     });
     let report = std::mem::take(&mut model.report);
+    let mut files = std::mem::take(&mut model.files);
+    files.push(path.to_owned());
     let scene = model.into_scene(max_area)?;
     Ok(Made {
         scene,
@@ -34,5 +36,6 @@ pub fn import(path: &Path, settings: &Settings) -> Result<Made, GenxError> {
             faces: report.faces,
             polygons: report.polygons,
         }),
+        files,
     })
 }

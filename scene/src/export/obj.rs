@@ -14,7 +14,6 @@ use glam::DVec3;
 use super::{original, patches};
 use crate::Scene;
 use crate::file::{FileError, FileFault, write_atomically};
-use crate::obj::comment_start;
 use crate::weld::Vertices;
 
 /// The first line of a material file, by which an export knows those that it may replace.
@@ -30,8 +29,7 @@ pub fn material_path(path: &Path) -> PathBuf {
 /// A material file that no export has written is not replaced: then nothing is written.
 ///
 /// Positions are the model's own coordinates, metres, with all digits of the f64. Names that would
-/// not survive the format are changed: outer spaces go, line breaks become `_`, as does
-/// a `#` that would start a comment, and a material whose
+/// not survive the format are changed: outer spaces go, line breaks become `_`, and a material or an object whose
 /// name another one has gets a number.
 pub fn save(path: &Path, scene: &Scene) -> Result<(), FileError> {
     let material_path = material_path(path);
@@ -39,7 +37,9 @@ pub fn save(path: &Path, scene: &Scene) -> Result<(), FileError> {
         let fault = FileFault::ForeignMaterials;
         return Err(FileError::new(&material_path, fault));
     }
-    let names = material_names(scene);
+    let names = scene.materials().iter().map(|material| &material.name[..]);
+    let names = unique(names, "material");
+    let objects = unique(scene.objects().iter().map(String::as_str), "object");
     // First, so that an OBJ never names an MTL that is not there.
     write_atomically(&material_path, |out| {
         writeln!(out, "{MARK}")?;
@@ -60,7 +60,7 @@ pub fn save(path: &Path, scene: &Scene) -> Result<(), FileError> {
         for patch in patches(scene) {
             let surface = scene.surface(patch.surface);
             if object.replace(surface.object) != Some(surface.object) {
-                writeln!(out, "o {}", plain(scene.object(surface.object), "object"))?;
+                writeln!(out, "o {}", objects[surface.object.index()])?;
             }
             if material.replace(surface.material) != Some(surface.material) {
                 writeln!(out, "usemtl {}", names[surface.material.index()])?;
@@ -94,14 +94,12 @@ fn is_free(material_path: &Path) -> bool {
     }
 }
 
-/// One name per material, all different.
-fn material_names(scene: &Scene) -> Vec<String> {
+/// Names that an OBJ file can hold, all different.
+fn unique<'a>(names: impl Iterator<Item = &'a str>, if_empty: &str) -> Vec<String> {
     let mut taken = HashSet::new();
-    scene
-        .materials()
-        .iter()
-        .map(|material| {
-            let base = plain(&material.name, "material");
+    names
+        .map(|name| {
+            let base = plain(name, if_empty);
             let mut name = base.clone();
             let mut number = 1;
             while !taken.insert(name.clone()) {
@@ -119,10 +117,5 @@ fn plain(name: &str, if_empty: &str) -> String {
     if trimmed.is_empty() {
         return if_empty.to_owned();
     }
-    let mut plain = trimmed.replace(char::is_control, "_");
-    // What the import would take for a comment.
-    while let Some(at) = comment_start(&plain) {
-        plain.replace_range(at..=at, "_");
-    }
-    plain
+    trimmed.replace(char::is_control, "_")
 }

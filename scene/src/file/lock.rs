@@ -3,7 +3,7 @@
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
-use super::write::{folder_of, is_device_or_pipe};
+use super::write::{folder_of, is_device_or_pipe, is_read_only};
 use super::{FileError, FileFault};
 
 /// The right to write one output file, held for as long as this value lives.
@@ -28,7 +28,7 @@ impl OutputLock {
     /// Locks `output` for writing, and so finds out at once if its folder is missing or read-only.
     ///
     /// # Errors
-    /// [`FileFault::Locked`] when another program holds it, [`FileFault::Io`] when the folder is
+    /// [`FileFault::Locked`] when another program holds it, [`FileFault::ReadOnly`] when it must not be replaced, [`FileFault::Io`] when the folder is
     /// missing or cannot be written or when `output` is a folder. All name `output`.
     pub fn acquire(output: &Path) -> Result<Self, FileError> {
         let fail = |source| {
@@ -42,6 +42,9 @@ impl OutputLock {
         };
         if is_device_or_pipe(output) {
             return Ok(Self { held: None });
+        }
+        if is_read_only(output) {
+            return Err(FileError::new(output, FileFault::ReadOnly));
         }
         let Some(name) = output.file_name().filter(|_| !output.is_dir()) else {
             return Err(fail(std::io::ErrorKind::IsADirectory.into()));

@@ -93,6 +93,8 @@ pub enum FileFault {
         action: &'static str,
         source: std::io::Error,
     },
+    #[error("the file is read-only; make it writable, or choose another name")]
+    ReadOnly,
     #[error("the file is empty")]
     Empty,
     #[error(

@@ -30,7 +30,7 @@ pub fn save(path: &Path, scene: &Scene, solution: Option<&Solution>) -> Result<(
 ///
 /// On any error, and if the process dies, `path` is as it was. The temporary file is removed on
 /// errors; one left by a killed process has a name starting with a dot and ending in `.tmp`.
-/// A device or a pipe, which renaming would destroy, is written to as it is.
+/// A device or a pipe, which renaming would destroy, is written to as it is; a file that is read-only is left alone.
 pub fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
@@ -42,6 +42,10 @@ pub fn write_atomically(
         return write(&mut buffered)
             .and_then(|()| buffered.flush())
             .map_err(fail("write"));
+    }
+    // A rename asks the folder alone.
+    if is_read_only(path) {
+        return Err(FileError::new(path, FileFault::ReadOnly));
     }
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let mut builder = tempfile::Builder::new();
@@ -86,6 +90,11 @@ fn without_path(error: std::io::Error) -> std::io::Error {
 /// True for what is neither a file nor a folder, and so cannot be replaced.
 pub(super) fn is_device_or_pipe(path: &Path) -> bool {
     std::fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir())
+}
+
+/// True for a file that must not be replaced, although a rename would do it.
+pub(super) fn is_read_only(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|m| m.is_file() && m.permissions().readonly())
 }
 
 /// The folder a file is in.

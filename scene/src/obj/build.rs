@@ -1,25 +1,41 @@
 //! From tobj's polygons to surfaces: centring, triangles, and dropping what has no area.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashSet};
 
 use glam::{DVec3, Vec3};
 
-use super::{ImportReport, ObjFault, ObjModel, polygon};
-use crate::weld::{Place, places};
-use crate::{Material, MaterialId, ObjectId, Surface};
+use super::looks::{Kept, Looks};
+use super::mtl::Taken;
+use super::repairs::{drop_repeated, turn_to_normals};
+use super::screen::{Face, Screened, Used};
+use super::{ImportReport, ObjFault, ObjModel, Orient, polygon};
+use crate::{ObjectId, Surface};
 
 /// Margin on the largest extent, so that models whose extent is a power of two, which are common,
 /// do not change their grid, and with it the origin, by rounding. Tuned: any odd ratio serves.
 const EXTENT_MARGIN: f64 = 1.1;
 
-/// Builds the model. `face_lines` holds the line of each face of all `models`, in their order;
-/// of `materials`, the last is for the faces that have none.
+/// How many names a warning has.
+const MOST_NAMED: usize = 3;
+
+/// A triangle on its way to a surface.
+pub(super) struct Piece {
+    pub surface: Surface,
+    /// The file's triangle, from 0.
+    pub face: u32,
+    pub line: usize,
+    /// Whether the file's own normals are on its back; `None` where there are none.
+    pub is_against: Option<bool>,
+}
+
+/// Builds the model; `materials` has one element per material of the file.
 pub(super) fn build(
-    models: &[tobj::Model],
-    face_lines: &[usize],
-    materials: Vec<Material>,
+    screened: &Screened,
+    materials: Vec<Taken>,
+    orient: Orient,
     mut report: ImportReport,
 ) -> Result<ObjModel, ObjFault> {
+    let models = screened.parse().map_err(ObjFault::Parser)?;
     let positions: Vec<Vec<DVec3>> = models
         .iter()
         .map(|model| {
@@ -29,25 +45,23 @@ pub(super) fn build(
         .collect();
     let origin = origin_of(positions.iter().flatten());
 
-    let mut objects = Objects::default();
-    let mut surfaces: Vec<Surface> = Vec::new();
-    let mut faces = Vec::new();
-    let mut surface_lines = Vec::new();
+    let mut looks = Looks::new(materials);
+    let mut pieces: Vec<Piece> = Vec::new();
     let mut first_lines = FirstLines::default();
     let mut overlapping = 0;
     let mut triangles = 0_usize;
-    let mut lines = face_lines.iter().copied();
+    let mut absent = BTreeMap::new();
+    let mut faces = screened.faces.iter();
+    let mut places = &screened.corners[..];
     for (model, positions) in models.iter().zip(&positions) {
         let mesh = &model.mesh;
-        if mesh.indices.is_empty() {
-            continue;
-        }
-        let object = objects.id(&model.name);
-        let material = mesh.material_id.unwrap_or(materials.len() - 1);
-        let material = MaterialId(material as u32);
-        for face in faces_of(mesh) {
-            let line = lines.next().unwrap_or_default();
-            let polygon = face
+        // Screened files name objects by their numbers, and each face has a material.
+        let object = ObjectId(model.name.parse().unwrap_or_default());
+        let material = mesh.material_id.unwrap_or_default();
+        for (corners, &Face { line, normal }) in faces_of(mesh).zip(&mut faces) {
+            let (of_corners, rest) = places.split_at(corners.len());
+            places = rest;
+            let polygon = corners
                 .iter()
                 .map(|&index| centred(positions[index as usize], origin, line))
                 .collect::<Result<Vec<Vec3>, _>>()?;
@@ -63,68 +77,114 @@ pub(super) fn build(
                     first_lines.overlapping.get_or_insert(line);
                 }
             }
+            let agreement = cut.normal.dot(normal);
             for corners in cut.corners {
                 let face = triangles as u32;
                 triangles += 1;
+                if looks.is_absent(material) {
+                    *absent.entry(material).or_insert(0) += 1;
+                    continue;
+                }
+                let at = corners.map(|k| screened.texture_coordinate(of_corners[k]));
                 let surface = Surface {
                     corners: corners.map(|k| polygon[k]),
-                    material,
+                    material: looks.id(material, at, &mut report.warnings),
                     object,
                 };
                 if surface.is_degenerate() {
                     report.degenerate_dropped += 1;
                     first_lines.degenerate.get_or_insert(line);
                 } else {
-                    surfaces.push(surface);
-                    faces.push(face);
-                    surface_lines.push(line);
+                    pieces.push(Piece {
+                        surface,
+                        face,
+                        line,
+                        is_against: (agreement != 0.0).then_some(agreement < 0.0),
+                    });
                 }
             }
         }
     }
-    if surfaces.is_empty() {
+    for (material, count) in absent {
+        report.warnings.push(format!(
+            "material \"{}\" is wholly transparent (d 0): its {count} triangles are left out",
+            screened.materials[material].name
+        ));
+    }
+    if pieces.is_empty() {
         return Err(ObjFault::NothingLeft { triangles });
     }
     first_lines.warn(overlapping, triangles, &mut report);
-    if let Some(repeated) = Repeated::among(&surfaces) {
-        report.warnings.push(format!(
-            "{} of {triangles} triangles have the same corners and front as one before (the first in line {}, of object \"{}\"); all are kept, but only one of them is seen in each place: remove the others from the model",
-            repeated.count,
-            surface_lines[repeated.first],
-            objects.names[surfaces[repeated.first].object.index()],
-        ));
+    warn_of_places(&screened.objects, &mut report);
+    let objects = object_names(screened, &looks);
+    turn_to_normals(&mut pieces, orient, &mut report);
+    drop_repeated(&mut pieces, &looks, &objects, triangles, &mut report);
+    let (materials, pictures) = looks.into_materials();
+    let mut kept_materials = Kept::new(materials.len());
+    let mut kept_objects = Kept::new(objects.len());
+    for Piece { surface, .. } in &mut pieces {
+        surface.material.0 = kept_materials.id(surface.material.index());
+        surface.object.0 = kept_objects.id(surface.object.index());
     }
     Ok(ObjModel {
-        materials,
-        objects: objects.names,
-        surfaces,
-        faces,
+        materials: kept_materials.of(&materials),
+        objects: kept_objects.of(&objects),
+        faces: pieces.iter().map(|piece| piece.face).collect(),
+        surfaces: pieces.into_iter().map(|piece| piece.surface).collect(),
         origin,
         report,
+        files: pictures,
     })
 }
 
-/// Triangles that lie where another one lies, facing the same way.
-struct Repeated {
-    count: usize,
-    /// The index of the first of them.
-    first: usize,
+/// Names of the objects. In a file that names none they are those of the materials.
+fn object_names(screened: &Screened, looks: &Looks) -> Vec<String> {
+    let objects = &screened.objects;
+    let trimmed = |used: &Used| used.name.trim_end().to_owned();
+    let different: HashSet<String> = objects.iter().map(trimmed).collect();
+    let name = |used: &Used| match &used.name[..] {
+        // Spaces behind a name are kept where they tell it from another one.
+        name if different.len() < objects.len() => name.to_owned(),
+        _ => trimmed(used),
+    };
+    if screened.has_objects {
+        let named = |used: &Used| {
+            let name = name(used);
+            if name.is_empty() {
+                "unnamed".into()
+            } else {
+                name
+            }
+        };
+        objects.iter().map(named).collect()
+    } else {
+        looks.names()
+    }
 }
 
-impl Repeated {
-    fn among(surfaces: &[Surface]) -> Option<Self> {
-        let keys = surfaces.iter().map(|surface| places(surface.corners));
-        let mut keyed: Vec<([Place; 3], usize)> = keys.zip(0..).collect();
-        keyed.sort_unstable();
-        let repeated = keyed
-            .windows(2)
-            .filter(|pair| pair[0].0 == pair[1].0)
-            .map(|pair| pair[1].1);
-        let (count, first) = repeated.fold((0, usize::MAX), |(count, first), index| {
-            (count + 1, first.min(index))
-        });
-        (count > 0).then_some(Self { count, first })
+/// Tells of objects that are in several places of the file.
+fn warn_of_places(objects: &[Used], report: &mut ImportReport) {
+    let several: Vec<String> = objects
+        .iter()
+        .filter(|used| !used.name.is_empty())
+        .filter_map(|used| match used.lines[..] {
+            [first, second] => Some(format!("\"{}\" (lines {first} and {second})", used.name)),
+            _ => None,
+        })
+        .collect();
+    if several.is_empty() {
+        return;
     }
+    let more = several.len().saturating_sub(MOST_NAMED);
+    let more = if more > 0 {
+        format!(", and {more} more")
+    } else {
+        String::new()
+    };
+    report.warnings.push(format!(
+        "objects of one name in several places of the file are one object: {}{more}",
+        several[..several.len().min(MOST_NAMED)].join(", ")
+    ));
 }
 
 /// Vertex indices of each face.
@@ -178,25 +238,6 @@ fn centred(position: DVec3, origin: DVec3, line: usize) -> Result<Vec3, ObjFault
         }
     }
     Ok(centred)
-}
-
-/// Object names, each once, by first use.
-#[derive(Default)]
-struct Objects {
-    names: Vec<String>,
-    ids: HashMap<String, ObjectId>,
-}
-
-impl Objects {
-    fn id(&mut self, name: &str) -> ObjectId {
-        if let Some(&id) = self.ids.get(name) {
-            return id;
-        }
-        let id = ObjectId(self.names.len() as u32);
-        self.names.push(name.to_owned());
-        self.ids.insert(name.to_owned(), id);
-        id
-    }
 }
 
 /// The first line of each kind of trouble.

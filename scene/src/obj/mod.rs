@@ -29,18 +29,23 @@
 
 mod build;
 mod error;
+mod files;
+mod lines;
+mod looks;
 mod mtl;
 mod polygon;
+mod repairs;
 mod screen;
+mod texture;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
 pub use error::{ObjError, ObjFault};
-pub(crate) use screen::comment_start;
 
 use crate::{Material, Scene, SceneError, Surface};
+use mtl::Library;
 
 /// An imported model, ready for [`crate::Scene::with_max_area`] and [`crate::Scene::with_faces`].
 #[derive(Clone, Debug, PartialEq)]
@@ -57,6 +62,33 @@ pub struct ObjModel {
     pub origin: DVec3,
     /// What was noticed.
     pub report: ImportReport,
+    /// All files that were read, or asked for, beside the OBJ file.
+    pub files: Vec<PathBuf>,
+}
+
+/// How a model is taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ImportOptions {
+    /// One reflectance, dimensionless, in [0, 1), for all materials that do not emit, whatever their `Kd`.
+    pub reflectance: Option<f32>,
+    /// The largest reflectance, dimensionless, in [0, 1); where it is not given, what is 1 or more, which no surface can
+    /// reflect, is taken as 0.95, and all else as it is.
+    pub max_reflectance: Option<f32>,
+    /// Which side of a face is its front.
+    pub orient: Orient,
+}
+
+/// Which side of a face is its front.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Orient {
+    /// That from which it is wound counter-clockwise, but where a minority of the file's area is wound against the file's
+    /// own normals, these are right.
+    #[default]
+    Auto,
+    /// That on which the file's own normals are; without normals, as it is wound.
+    Normals,
+    /// That from which it is wound counter-clockwise.
+    Winding,
 }
 
 impl ObjModel {
@@ -89,6 +121,10 @@ pub struct ImportReport {
     pub non_planar_polygons: usize,
     /// Triangles that were dropped for want of area.
     pub degenerate_dropped: usize,
+    /// Triangles that were dropped for another one in their place.
+    pub repeated_dropped: usize,
+    /// Triangles that were turned to the file's own normals.
+    pub turned: usize,
     /// Statements that draw points or lines.
     pub points_and_lines_ignored: usize,
     /// Messages for the user, without the file's name.
@@ -100,16 +136,20 @@ pub struct ImportReport {
 /// # Errors
 /// Name the file, and the line, vertex or material at fault; see [`ObjFault`].
 pub fn load(path: &Path) -> Result<ObjModel, ObjError> {
-    load_with(path, None)
+    load_with(path, &ImportOptions::default())
 }
 
-/// Reads an OBJ file and the MTL files it names, with one reflectance (dimensionless, in [0, 1))
-/// for all materials that do not emit, whatever their `Kd`.
+/// The same, as the options say.
 ///
 /// # Errors
-/// As [`load`]; of the materials that do not emit, only the emission is judged.
-pub fn load_with_reflectance(path: &Path, reflectance: f32) -> Result<ObjModel, ObjError> {
-    load_with(path, Some(reflectance))
+/// As [`load`].
+pub fn load_with(path: &Path, options: &ImportOptions) -> Result<ObjModel, ObjError> {
+    let bytes =
+        std::fs::read(path).map_err(|source| ObjError::new(path, ObjFault::Io { source }))?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    build(path, &bytes, options, |libraries, warnings| {
+        Library::load(folder, libraries, warnings)
+    })
 }
 
 /// Reads the text of an OBJ file and that of the one MTL file that it may name. `name` is what errors call them.
@@ -117,15 +157,10 @@ pub fn load_with_reflectance(path: &Path, reflectance: f32) -> Result<ObjModel, 
 /// # Errors
 /// As [`load`].
 pub fn parse(name: &Path, obj: &[u8], mtl: &[u8]) -> Result<ObjModel, ObjError> {
-    build(name, obj, None, |_, _| mtl::Library::of(name, mtl))
-}
-
-fn load_with(path: &Path, reflectance: Option<f32>) -> Result<ObjModel, ObjError> {
-    let bytes =
-        std::fs::read(path).map_err(|source| ObjError::new(path, ObjFault::Io { source }))?;
-    let folder = path.parent().unwrap_or(Path::new(""));
-    build(path, &bytes, reflectance, |libraries, warnings| {
-        mtl::Library::load(folder, libraries, warnings)
+    build(name, obj, &ImportOptions::default(), |_, warnings| {
+        let mut library = Library::default();
+        library.add(name, mtl, warnings)?;
+        Ok(library)
     })
 }
 
@@ -133,14 +168,13 @@ fn load_with(path: &Path, reflectance: Option<f32>) -> Result<ObjModel, ObjError
 fn build(
     path: &Path,
     bytes: &[u8],
-    reflectance: Option<f32>,
-    library: impl FnOnce(&[String], &mut Vec<String>) -> Result<mtl::Library, ObjError>,
+    options: &ImportOptions,
+    library: impl FnOnce(&[Vec<u8>], &mut Vec<String>) -> Result<Library, ObjError>,
 ) -> Result<ObjModel, ObjError> {
     let fail = |fault| ObjError::new(path, fault);
     let screened = screen::screen(bytes).map_err(fail)?;
-
     let mut report = ImportReport {
-        faces: screened.face_lines.len(),
+        faces: screened.faces.len(),
         points_and_lines_ignored: screened.points_and_lines,
         ..ImportReport::default()
     };
@@ -152,17 +186,8 @@ fn build(
         ));
     }
     let library = library(&screened.libraries, &mut report.warnings)?;
-    let mut materials =
-        library.materials_for(&screened.used_materials, reflectance, &mut report.warnings)?;
-    if screened.faces_without_material > 0 {
-        let grey = reflectance.unwrap_or(mtl::GREY);
-        report.warnings.push(format!(
-            "{} of {} faces have no material; they are grey with reflectance {}",
-            screened.faces_without_material, report.faces, grey
-        ));
-        materials.push(mtl::grey("default", grey));
-    }
-
-    let models = screened.parse().map_err(|e| fail(ObjFault::Parser(e)))?;
-    build::build(&models, &screened.face_lines, materials, report).map_err(fail)
+    let materials = library.materials_for(&screened.materials, options, &mut report.warnings)?;
+    let mut model = build::build(&screened, materials, options.orient, report).map_err(fail)?;
+    model.files.extend(library.into_files());
+    Ok(model)
 }

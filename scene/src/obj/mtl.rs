@@ -1,18 +1,28 @@
 //! MTL files: what they say, and what stands in for what they do not say.
 
 use std::collections::HashMap;
-use std::fmt::Write;
+use std::collections::hash_map::Entry;
 use std::path::{Path, PathBuf};
 
-use super::screen::{UsedMaterial, decode, malformed, name_of, statement};
-use super::{ObjError, ObjFault};
+use super::lines::{Statement, lines, names, text};
+use super::screen::Used;
+use super::{ImportOptions, ObjError, ObjFault, files};
 use crate::{Material, Rgb};
 
 /// Reflectance of what has none, dimensionless.
 pub(super) const GREY: f32 = 0.5;
 
+/// What is taken for a reflectance of 1 or more, which no surface has, unless the options say otherwise, dimensionless.
+pub(super) const WHITE: f32 = 0.95;
+
+/// Specular reflectances up to this are those of any dull surface.
+const DULL: f64 = 0.05;
+
+/// The first of the `illum` that mirror or refract.
+const FIRST_MIRROR: f64 = 3.0;
+
 /// A material that reflects grey and emits nothing.
-pub(super) fn grey(name: &str, reflectance: f32) -> Material {
+fn grey(name: &str, reflectance: f32) -> Material {
     Material {
         name: name.to_owned(),
         reflectance: Rgb::splat(reflectance),
@@ -20,9 +30,40 @@ pub(super) fn grey(name: &str, reflectance: f32) -> Material {
     }
 }
 
-/// All materials of the MTL files that an OBJ file names, by name; the last definition counts.
+/// What a file says of a material.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Definition {
+    /// Index of the file.
+    file: usize,
+    line: usize,
+    diffuse: Option<[f64; 3]>,
+    emission: Option<[f64; 3]>,
+    /// As it stands there.
+    diffuse_map: Option<Vec<u8>>,
+    /// Opacity: 0 is not there.
+    opacity: Option<f64>,
+    transparency: Option<f64>,
+    /// Statements that mean something and are not taken.
+    left_out: Vec<String>,
+    /// Keywords that are taken although they are spelt in another way.
+    respelt: Vec<String>,
+}
+
+/// All materials of the MTL files that an OBJ file names, by name; the first definition counts.
+#[derive(Debug, Default)]
 pub(super) struct Library {
-    materials: HashMap<String, (tobj::Material, PathBuf)>,
+    files: Vec<PathBuf>,
+    materials: HashMap<String, Definition>,
+}
+
+/// A material as faces have it.
+#[derive(Clone, Debug)]
+pub(super) struct Taken {
+    pub material: Material,
+    /// The picture that its reflectance is to be multiplied by.
+    pub texture: Option<PathBuf>,
+    /// Wholly transparent: its faces are not there.
+    pub is_absent: bool,
 }
 
 impl Library {
@@ -30,110 +71,192 @@ impl Library {
     /// one is a warning, a malformed one an error.
     pub(super) fn load(
         folder: &Path,
-        arguments: &[String],
+        arguments: &[Vec<u8>],
         warnings: &mut Vec<String>,
     ) -> Result<Self, ObjError> {
-        let mut materials = HashMap::new();
-        for path in arguments.iter().flat_map(|a| candidates(folder, a)) {
-            let bytes = match read_regular(&path) {
-                Ok(bytes) => bytes,
-                Err(error) => {
-                    warnings.push(format!(
-                        "cannot read the material file {}: {error}",
-                        path.display()
-                    ));
-                    continue;
-                }
-            };
-            materials.extend(Self::of(&path, &bytes)?.materials);
+        let mut library = Self::default();
+        for path in arguments.iter().flat_map(|a| files::named(folder, a)) {
+            match read_regular(&path) {
+                Ok(bytes) => library.add(&path, &bytes, warnings)?,
+                Err(error) => warnings.push(format!(
+                    "cannot read the material file {}: {error}",
+                    path.display()
+                )),
+            }
         }
-        Ok(Self { materials })
+        Ok(library)
     }
 
-    /// The materials of the text of one file.
-    pub(super) fn of(path: &Path, bytes: &[u8]) -> Result<Self, ObjError> {
-        let parsed = screen(&decode(bytes))
-            .and_then(|text| tobj::load_mtl_buf(&mut text.as_bytes()).map_err(ObjFault::Parser));
-        let (found, _) = parsed.map_err(|fault| ObjError::new(path, fault))?;
-        let named = found.into_iter();
-        let materials = named.map(|material| (material.name.clone(), (material, path.to_owned())));
-        Ok(Self {
-            materials: materials.collect(),
-        })
+    /// Adds what the bytes of a file say.
+    pub(super) fn add(
+        &mut self,
+        path: &Path,
+        bytes: &[u8],
+        warnings: &mut Vec<String>,
+    ) -> Result<(), ObjError> {
+        if self.files.iter().any(|known| known == path) {
+            return Ok(());
+        }
+        let file = self.files.len();
+        self.files.push(path.to_owned());
+        if bytes.is_empty() {
+            return Ok(());
+        }
+        let found = definitions(bytes, file).map_err(|fault| ObjError::new(path, fault))?;
+        for (name, definition) in found {
+            match self.materials.entry(name) {
+                Entry::Vacant(entry) => {
+                    entry.insert(definition);
+                }
+                Entry::Occupied(entry) => {
+                    let first = entry.get();
+                    warnings.push(format!(
+                        "material \"{}\" is defined in {} line {} and again in {} line {}; the first counts",
+                        entry.key(),
+                        self.files[first.file].display(),
+                        first.line,
+                        path.display(),
+                        definition.line,
+                    ));
+                }
+            }
+        }
+        Ok(())
     }
 
-    /// The materials with these names, in this order. `reflectance` stands in for what those that
-    /// do not emit say of theirs.
+    /// The files that were read.
+    pub(super) fn into_files(self) -> Vec<PathBuf> {
+        self.files
+    }
+
+    /// The materials with these names, in this order.
     pub(super) fn materials_for(
         &self,
-        used: &[UsedMaterial],
-        reflectance: Option<f32>,
+        used: &[Used],
+        options: &ImportOptions,
         warnings: &mut Vec<String>,
-    ) -> Result<Vec<Material>, ObjError> {
-        let reflectance_of_none = reflectance.unwrap_or(GREY);
-        used.iter()
-            .map(|UsedMaterial { name, faces }| {
-                let mut material = grey(name, reflectance_of_none);
-                let Some((found, path)) = self.materials.get(name) else {
-                    warnings.push(format!(
-                        "material \"{name}\" of {faces} faces is not defined; it is taken as grey with reflectance {reflectance_of_none}"
-                    ));
-                    return Ok(material);
-                };
-                if let Some(emission) = found.emissive {
-                    material.emission = Rgb::from(emission.map(|v| v as f32));
-                }
-                if reflectance.is_none() || material.is_emitter() {
-                    material.reflectance = own_reflectance(found, path, warnings);
-                }
-                material
-                    .validate()
-                    .map_err(|error| ObjError::new(path, ObjFault::Material(error)))?;
-                Ok(material)
-            })
-            .collect()
+    ) -> Result<Vec<Taken>, ObjError> {
+        let take = |used| self.taken(used, options, warnings);
+        used.iter().map(take).collect()
+    }
+
+    fn taken(
+        &self,
+        Used { name, faces, .. }: &Used,
+        options: &ImportOptions,
+        warnings: &mut Vec<String>,
+    ) -> Result<Taken, ObjError> {
+        let stand_in = options.reflectance.unwrap_or(GREY);
+        let without = |name| Taken {
+            material: grey(name, stand_in),
+            texture: None,
+            is_absent: false,
+        };
+        if name.trim().is_empty() {
+            warnings.push(format!(
+                "{faces} faces have no material; they are grey with reflectance {stand_in}"
+            ));
+            return Ok(without("default"));
+        }
+        let Some((meant, found)) = self.find(name) else {
+            warnings.push(format!(
+                "material \"{name}\" of {faces} faces is not defined; it is taken as grey with reflectance {stand_in}"
+            ));
+            return Ok(without(name));
+        };
+        if meant.trim_end() != name.trim_end() {
+            warnings.push(format!(
+                "material \"{name}\" is not defined; \"{meant}\" is taken, as if a comment followed the name"
+            ));
+        }
+        let path = &self.files[found.file];
+        let mut taken = without(name);
+        let material = &mut taken.material;
+        if let Some(emission) = found.emission {
+            material.emission = Rgb::from(emission.map(|v| v as f32));
+        }
+        taken.is_absent = found.is_absent();
+        if options.reflectance.is_none() || material.is_emitter() {
+            if found.diffuse.is_none() {
+                warnings.push(format!(
+                    "{}: material \"{name}\" has no Kd; its reflectance is taken as {GREY}",
+                    path.display()
+                ));
+            }
+            let diffuse = found.diffuse.map(|kd| Rgb::from(kd.map(|v| v as f32)));
+            material.reflectance = diffuse.unwrap_or(Rgb::splat(GREY));
+            warnings.extend(limit(material, options));
+            if let Some(map) = &found.diffuse_map {
+                let folder = path.parent().unwrap_or(Path::new(""));
+                taken.texture = Some(files::picture(folder, map));
+            }
+        }
+        if !found.left_out.is_empty() {
+            warnings.push(format!(
+                "material \"{name}\": {} left out: surfaces are opaque and reflect diffusely",
+                joined(&found.left_out)
+            ));
+        }
+        if !found.respelt.is_empty() {
+            warnings.push(format!(
+                "material \"{name}\": {} (the format has capitals here)",
+                found.respelt.join(", ")
+            ));
+        }
+        let valid = taken.material.validate();
+        valid.map_err(|error| ObjError::new(path, ObjFault::Material(error)))?;
+        Ok(taken)
+    }
+
+    /// The definition that a name means, and its name there.
+    fn find(&self, name: &str) -> Option<(&str, &Definition)> {
+        let known = |name: &str| self.materials.get_key_value(name);
+        let found = names(name).find_map(known).or_else(|| {
+            // Or the library has the comment.
+            let means =
+                |(defined, _): &(&String, _)| names(defined).any(|part| part == name.trim_end());
+            self.materials
+                .iter()
+                .filter(means)
+                .min_by_key(|(_, definition)| (definition.file, definition.line))
+        });
+        found.map(|(name, definition)| (&name[..], definition))
     }
 }
 
-/// What a material of an MTL file says of its reflectance, not judged.
-fn own_reflectance(found: &tobj::Material, path: &Path, warnings: &mut Vec<String>) -> Rgb {
-    let name = &found.name;
-    if found.diffuse.is_none() {
-        warnings.push(format!(
-            "{}: material \"{name}\" has no Kd; its reflectance is taken as {GREY}",
-            path.display()
-        ));
-    }
-    if let Some(texture) = &found.diffuse_texture {
-        warnings.push(format!(
-            "{}: material \"{name}\": texture {texture} is ignored, only Kd counts",
-            path.display()
-        ));
-    }
-    found
-        .diffuse
-        .map_or(Rgb::splat(GREY), |kd| Rgb::from(kd.map(|v| v as f32)))
+/// Brings reflectances below 1, and says so.
+fn limit(material: &mut Material, options: &ImportOptions) -> Option<String> {
+    let before = material.reflectance;
+    let most = options.max_reflectance.unwrap_or(WHITE);
+    let limited = |value: f32| {
+        let is_too_much = match options.max_reflectance {
+            Some(most) => value > most,
+            None => value >= 1.0,
+        };
+        if is_too_much && value.is_finite() {
+            most
+        } else {
+            value
+        }
+    };
+    material.reflectance = Rgb::from(before.to_array().map(limited));
+    (material.reflectance != before).then(|| {
+        let Rgb { x, y, z } = before;
+        let name = &material.name;
+        let Rgb { x: r, y: g, z: b } = material.reflectance;
+        format!(
+            "material \"{name}\": Kd {x} {y} {z} is taken as {r} {g} {b}, since surfaces reflect less than they receive; \
+             --reflectance \"{name}\"=R,G,B says otherwise"
+        )
+    })
 }
 
-/// The files a `mtllib` argument may mean: one whose name holds spaces, or several.
-fn candidates(folder: &Path, argument: &str) -> Vec<PathBuf> {
-    let with_comment = folder.join(argument);
-    if with_comment.exists() {
-        return vec![with_comment];
-    }
-    let argument = name_of(argument);
-    let whole = folder.join(argument);
-    if whole.exists() || !argument.contains(char::is_whitespace) {
-        return vec![whole];
-    }
-    let several: Vec<PathBuf> = argument
-        .split_whitespace()
-        .map(|name| folder.join(name))
-        .collect();
-    if several.iter().any(|path| path.exists()) {
-        several
-    } else {
-        vec![whole]
+/// "a, b and c are", "a is".
+fn joined(items: &[String]) -> String {
+    match items {
+        [one] => format!("{one} is"),
+        [rest @ .., last] => format!("{} and {last} are", rest.join(", ")),
+        [] => String::new(),
     }
 }
 
@@ -145,52 +268,109 @@ fn read_regular(path: &Path) -> std::io::Result<Vec<u8>> {
     std::fs::read(path)
 }
 
-/// Checks an MTL file and reduces it to the statements that are used.
-fn screen(text: &str) -> Result<String, ObjFault> {
-    let mut reduced = String::new();
-    for (index, line) in text.lines().enumerate() {
-        let number = index + 1;
-        let (keyword, rest) = statement(line);
-        let name = name_of(rest);
-        match keyword {
-            "newmtl" if name.is_empty() => {
-                return Err(malformed(number, "\"newmtl\" has no name"));
+/// All definitions of a file, with their names.
+fn definitions(bytes: &[u8], file: usize) -> Result<Vec<(String, Definition)>, ObjFault> {
+    let mut found: Vec<(String, Definition)> = Vec::new();
+    for statement in lines(text(bytes)?).filter_map(Statement::new) {
+        if statement.keyword == "newmtl" {
+            let name = statement.name().into_owned();
+            if name.trim().is_empty() {
+                return Err(statement.malformed("\"newmtl\" has no name"));
             }
-            "newmtl" => {
-                let _ = writeln!(reduced, "newmtl {name}");
-            }
-            "Kd" | "Ke" => {
-                let words: Vec<&str> = rest
-                    .split('#')
-                    .next()
-                    .unwrap_or_default()
-                    .split_whitespace()
-                    .collect();
-                let [r, g, b] = match words[..] {
-                    [grey] => [grey; 3],
-                    [r, g, b] => [r, g, b],
-                    _ => {
-                        return Err(malformed(
-                            number,
-                            format!("{keyword} has {} values, expected 3 numbers", words.len()),
-                        ));
-                    }
-                };
-                for word in [r, g, b] {
-                    if word.parse::<f64>().is_err() {
-                        return Err(malformed(
-                            number,
-                            format!("{keyword}: {word:?} is not a number"),
-                        ));
-                    }
-                }
-                let _ = writeln!(reduced, "{keyword} {r} {g} {b}");
-            }
-            "map_Kd" if !name.is_empty() => {
-                let _ = writeln!(reduced, "map_Kd {name}");
-            }
-            _ => {}
+            let definition = Definition {
+                file,
+                line: statement.line,
+                ..Definition::default()
+            };
+            found.push((name, definition));
+        } else if let Some((_, definition)) = found.last_mut() {
+            definition.read(&statement)?;
+        } else {
+            // Malformed all the same.
+            Definition::default().read(&statement)?;
         }
     }
-    Ok(reduced)
+    Ok(found)
+}
+
+/// Keywords that are taken, as the format spells them.
+const TAKEN: [&str; 3] = ["Kd", "Ke", "map_Kd"];
+
+impl Definition {
+    fn read(&mut self, statement: &Statement) -> Result<(), ObjFault> {
+        let taken = TAKEN
+            .into_iter()
+            .find(|keyword| statement.keyword.eq_ignore_ascii_case(keyword));
+        if let Some(keyword) = taken {
+            if keyword != statement.keyword {
+                let respelt = format!("\"{}\" is taken as {keyword}", statement.keyword);
+                self.respelt.push(respelt);
+            }
+            match keyword {
+                "Kd" => self.diffuse = Some(colour(statement)?),
+                "Ke" => self.emission = Some(colour(statement)?),
+                _ if statement.rest.is_empty() => {}
+                _ => self.diffuse_map = Some(statement.rest.to_owned()),
+            }
+            return Ok(());
+        }
+        let words = statement.words();
+        let values: Vec<f64> = words.iter().filter_map(|word| word.parse().ok()).collect();
+        let most = values.iter().copied().fold(0.0, f64::max);
+        let first = values.first().copied();
+        let lower = statement.keyword.to_ascii_lowercase();
+        let means_something = match &lower[..] {
+            "d" => {
+                // "d -halo 0.5" has a factor behind its option.
+                self.opacity = first;
+                first.is_some_and(|d| d < 1.0)
+            }
+            "tr" => {
+                self.transparency = first;
+                // Some programs write 1 for what is opaque.
+                most > 0.0 && self.opacity != Some(1.0)
+            }
+            "tf" => values.iter().any(|&v| v < 1.0) && most > 0.0,
+            "ks" => most > DULL,
+            "illum" => most >= FIRST_MIRROR,
+            "pm" => most > 0.0,
+            "pr" => first.is_some_and(|roughness| roughness < 1.0),
+            "bump" | "disp" | "decal" | "norm" | "refl" => !words.is_empty(),
+            keyword => keyword.starts_with("map_") && !words.is_empty(),
+        };
+        if means_something {
+            let value: Vec<&str> = words.iter().map(|word| &word[..]).collect();
+            self.left_out
+                .push(format!("{} {}", statement.keyword, value.join(" ")));
+        }
+        Ok(())
+    }
+
+    /// Whether nothing of it is there to see.
+    fn is_absent(&self) -> bool {
+        self.opacity == Some(0.0)
+    }
+}
+
+/// One number for grey, or three.
+fn colour(statement: &Statement) -> Result<[f64; 3], ObjFault> {
+    let words = statement.words();
+    let keyword = statement.keyword;
+    let [r, g, b] = match &words[..] {
+        [grey] => [grey; 3],
+        [r, g, b] => [r, g, b],
+        _ => {
+            return Err(statement.malformed(format!(
+                "{keyword} has {} values, expected 3 numbers",
+                words.len()
+            )));
+        }
+    };
+    let mut colour = [0.0; 3];
+    for (value, word) in colour.iter_mut().zip([r, g, b]) {
+        *value = word
+            .parse()
+            .map_err(|_| statement.malformed(format!("{keyword}: {word:?} is not a number")))?;
+    }
+    Ok(colour)
 }

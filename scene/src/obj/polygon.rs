@@ -34,6 +34,8 @@ const DROPPED: f64 = 0.5 / (1 << 23) as f64;
 pub(super) struct Triangles {
     /// Indices of the polygon's corners, two triangles fewer than corners.
     pub corners: Vec<[usize; 3]>,
+    /// Twice the vector area, m^2.
+    pub normal: DVec3,
     pub is_planar: bool,
     /// Some triangle faces away from the polygon, so that triangles overlap.
     pub overlap: bool,
@@ -72,6 +74,7 @@ pub(super) fn triangles(polygon: &[Vec3]) -> Triangles {
     Triangles {
         overlap: overlap && ears.is_none(),
         corners: ears.unwrap_or(fan),
+        normal,
         is_planar,
     }
 }
