@@ -2,6 +2,8 @@
 
 #![allow(dead_code)] // each test binary uses its part
 
+pub mod program;
+
 use glam::{DVec2, DVec3, Vec3};
 use scene::{Scene, Surface, SurfaceId};
 

@@ -115,7 +115,9 @@ pub(super) fn build(
         return Err(ObjFault::NothingLeft { triangles });
     }
     first_lines.warn(overlapping, triangles, &mut report);
-    warn_of_places(&screened.objects, &mut report);
+    if screened.has_objects {
+        warn_of_places(&screened.objects, &mut report);
+    }
     let objects = object_names(screened, &looks);
     turn_to_normals(&mut pieces, orient, &mut report);
     drop_repeated(&mut pieces, &looks, &objects, triangles, &mut report);

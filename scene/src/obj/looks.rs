@@ -44,40 +44,43 @@ impl Looks {
         warnings: &mut Vec<String>,
     ) -> MaterialId {
         let mean = self.mean(material, at, warnings);
-        let Some(mean) = mean.filter(|&mean| mean != Rgb::ONE) else {
+        let Some((mean, reflectance)) = mean else {
             return MaterialId(material as u32);
         };
         let key = (material, mean.to_array().map(f32::to_bits));
         *self.by_colour.entry(key).or_insert_with(|| {
             let plain = &self.taken[material].material;
             self.materials.push(Material {
-                reflectance: plain.reflectance * mean,
+                reflectance,
                 ..plain.clone()
             });
             MaterialId(self.materials.len() as u32 - 1)
         })
     }
 
+    /// The texture's mean over a triangle, and the reflectance that it makes.
     fn mean(
         &mut self,
         material: usize,
         at: [Option<DVec2>; 3],
         warnings: &mut Vec<String>,
-    ) -> Option<Rgb> {
+    ) -> Option<(Rgb, Rgb)> {
         let taken = &self.taken[material];
-        let path = taken.texture.as_ref()?;
-        let texture = self.textures.get(path, warnings)?;
+        let textured = taken.texture.as_ref()?;
+        let texture = self.textures.get(&textured.path, warnings)?;
         let [Some(a), Some(b), Some(c)] = at else {
             if self.without_places.insert(material) {
                 warnings.push(format!(
-                    "material \"{}\": some of its faces have no texture coordinates (vt); there Kd counts without {}",
+                    "material \"{}\": some of its faces have no texture coordinates (vt); there it has reflectance {} instead of {}",
                     taken.material.name,
-                    path.display()
+                    taken.material.reflectance,
+                    textured.path.display()
                 ));
             }
             return None;
         };
-        Some(texture.mean([a, b, c]))
+        let mean = texture.mean([a, b, c]);
+        Some((mean, textured.reflectance(mean)))
     }
 
     pub(super) fn get(&self, material: MaterialId) -> &Material {

@@ -185,6 +185,12 @@ fn build(
             report.faces + screened.short_faces,
         ));
     }
+    if let Some(line) = screened.first_bad_number {
+        report.warnings.push(format!(
+            "{} normals or texture coordinates are no finite numbers (the first in line {line}); they are left out",
+            screened.bad_numbers
+        ));
+    }
     let library = library(&screened.libraries, &mut report.warnings)?;
     let materials = library.materials_for(&screened.materials, options, &mut report.warnings)?;
     let mut model = build::build(&screened, materials, options.orient, report).map_err(fail)?;

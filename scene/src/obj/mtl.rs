@@ -59,11 +59,27 @@ pub(super) struct Library {
 /// A material as faces have it.
 #[derive(Clone, Debug)]
 pub(super) struct Taken {
+    /// Where it has no texture, or that cannot be had.
     pub material: Material,
-    /// The picture that its reflectance is to be multiplied by.
-    pub texture: Option<PathBuf>,
+    pub texture: Option<Textured>,
     /// Wholly transparent: its faces are not there.
     pub is_absent: bool,
+}
+
+/// A picture on a material.
+#[derive(Clone, Debug)]
+pub(super) struct Textured {
+    pub path: PathBuf,
+    /// What its colours are multiplied by.
+    pub factor: Rgb,
+    pub options: ImportOptions,
+}
+
+impl Textured {
+    /// The reflectance where the picture has some colour.
+    pub fn reflectance(&self, colour: Rgb) -> Rgb {
+        limited(self.factor * colour, &self.options)
+    }
 }
 
 impl Library {
@@ -177,7 +193,7 @@ impl Library {
         }
         taken.is_absent = found.is_absent();
         if options.reflectance.is_none() || material.is_emitter() {
-            if found.diffuse.is_none() {
+            if found.diffuse.is_none() && found.diffuse_map.is_none() {
                 warnings.push(format!(
                     "{}: material \"{name}\" has no Kd; its reflectance is taken as {GREY}",
                     path.display()
@@ -185,10 +201,25 @@ impl Library {
             }
             let diffuse = found.diffuse.map(|kd| Rgb::from(kd.map(|v| v as f32)));
             material.reflectance = diffuse.unwrap_or(Rgb::splat(GREY));
-            warnings.extend(limit(material, options));
             if let Some(map) = &found.diffuse_map {
+                // Programs that take the picture instead of Kd write 0 for that.
+                let is_instead = diffuse.is_none_or(|kd| kd == Rgb::ZERO);
                 let folder = path.parent().unwrap_or(Path::new(""));
-                taken.texture = Some(files::picture(folder, map));
+                taken.texture = Some(Textured {
+                    path: files::picture(folder, map),
+                    factor: if is_instead {
+                        Rgb::ONE
+                    } else {
+                        material.reflectance
+                    },
+                    options: *options,
+                });
+                if is_instead {
+                    material.reflectance = Rgb::splat(GREY);
+                }
+                material.reflectance = limited(material.reflectance, options);
+            } else {
+                warnings.extend(limit(material, options));
             }
         }
         if !found.left_out.is_empty() {
@@ -227,6 +258,20 @@ impl Library {
 /// Brings reflectances below 1, and says so.
 fn limit(material: &mut Material, options: &ImportOptions) -> Option<String> {
     let before = material.reflectance;
+    material.reflectance = limited(before, options);
+    (material.reflectance != before).then(|| {
+        let Rgb { x, y, z } = before;
+        let name = &material.name;
+        let Rgb { x: r, y: g, z: b } = material.reflectance;
+        format!(
+            "material \"{name}\": Kd {x} {y} {z} is taken as {r} {g} {b}, since surfaces reflect less than they receive; \
+             --reflectance \"{name}\"=R,G,B says otherwise"
+        )
+    })
+}
+
+/// A reflectance below 1; what is not finite stays.
+fn limited(reflectance: Rgb, options: &ImportOptions) -> Rgb {
     let most = options.max_reflectance.unwrap_or(WHITE);
     let limited = |value: f32| {
         let is_too_much = match options.max_reflectance {
@@ -239,16 +284,7 @@ fn limit(material: &mut Material, options: &ImportOptions) -> Option<String> {
             value
         }
     };
-    material.reflectance = Rgb::from(before.to_array().map(limited));
-    (material.reflectance != before).then(|| {
-        let Rgb { x, y, z } = before;
-        let name = &material.name;
-        let Rgb { x: r, y: g, z: b } = material.reflectance;
-        format!(
-            "material \"{name}\": Kd {x} {y} {z} is taken as {r} {g} {b}, since surfaces reflect less than they receive; \
-             --reflectance \"{name}\"=R,G,B says otherwise"
-        )
-    })
+    Rgb::from(reflectance.to_array().map(limited))
 }
 
 /// "a, b and c are", "a is".

@@ -1,15 +1,17 @@
 //! Triangles that face the wrong way, or are there twice.
 
 use std::cmp::Reverse;
-use std::collections::HashSet;
+use std::collections::HashMap;
+
+use glam::DVec3;
 
 use super::build::Piece;
 use super::looks::Looks;
 use super::{ImportReport, Orient};
-use crate::weld::{Place, places};
+use crate::weld::{Place, place, places};
 
-/// Turns triangles whose front is not where the file's own normals are. One whose other side is a triangle of the file
-/// too is half of a sheet and stays.
+/// Turns triangles whose front is not where the file's own normals are. A face whose other side is a face of the file too is
+/// half of a sheet and stays.
 pub(super) fn turn_to_normals(pieces: &mut [Piece], orient: Orient, report: &mut ImportReport) {
     let mut areas = [0.0, 0.0];
     for piece in pieces.iter() {
@@ -33,14 +35,26 @@ pub(super) fn turn_to_normals(pieces: &mut [Piece], orient: Orient, report: &mut
         }
         return;
     }
-    let known: HashSet<[Place; 3]> = pieces.iter().map(|p| places(p.surface.corners)).collect();
+    // The normals of all faces by their corners.
+    let mut sides: HashMap<Vec<Place>, Vec<DVec3>> = HashMap::new();
+    for face in pieces.chunk_by(|a, b| a.line == b.line) {
+        sides
+            .entry(corners_of(face))
+            .or_default()
+            .push(normal_of(face));
+    }
     let mut first = None;
-    for piece in pieces
-        .iter_mut()
-        .filter(|piece| piece.is_against == Some(true))
-    {
-        let [a, b, c] = piece.surface.corners;
-        if !known.contains(&places([a, c, b])) {
+    for face in pieces.chunk_by_mut(|a, b| a.line == b.line) {
+        if face[0].is_against != Some(true) {
+            continue;
+        }
+        let normal = normal_of(face);
+        let others = &sides[&corners_of(face)];
+        if others.iter().any(|other| other.dot(normal) < 0.0) {
+            continue;
+        }
+        for piece in face {
+            let [a, b, c] = piece.surface.corners;
             piece.surface.corners = [a, c, b];
             report.turned += 1;
             first.get_or_insert(piece.line);
@@ -53,6 +67,23 @@ pub(super) fn turn_to_normals(pieces: &mut [Piece], orient: Orient, report: &mut
             report.turned
         ));
     }
+}
+
+/// The places of a face's corners, in no order that its winding decides.
+fn corners_of(face: &[Piece]) -> Vec<Place> {
+    let mut corners: Vec<Place> = face
+        .iter()
+        .flat_map(|piece| piece.surface.corners.map(place))
+        .collect();
+    corners.sort_unstable();
+    corners.dedup();
+    corners
+}
+
+/// Along the vector area of a face.
+fn normal_of(face: &[Piece]) -> DVec3 {
+    let normal = |piece: &Piece| piece.surface.area() * piece.surface.normal();
+    face.iter().map(normal).sum()
 }
 
 /// Drops triangles where another one lies, facing the same way. Of those that differ in more, the brightest lamp stays, else

@@ -32,7 +32,11 @@ pub(super) struct Screened {
     pub faces: Vec<Face>,
     /// Of all faces one after the other, the corners' texture coordinates from 1, 0 where there are none.
     pub corners: Vec<u32>,
-    pub texture_coordinates: Vec<DVec2>,
+    /// `None` for those that are no numbers.
+    pub texture_coordinates: Vec<Option<DVec2>>,
+    /// Normals and texture coordinates that are no numbers, and the line of the first of them.
+    pub bad_numbers: usize,
+    pub first_bad_number: Option<usize>,
     /// Arguments of all `mtllib` statements.
     pub libraries: Vec<Vec<u8>>,
     /// Materials by first use.
@@ -61,7 +65,7 @@ impl Screened {
     /// The texture coordinate of a corner, by its number from 1.
     pub fn texture_coordinate(&self, number: u32) -> Option<DVec2> {
         let index = (number as usize).checked_sub(1)?;
-        self.texture_coordinates.get(index).copied()
+        self.texture_coordinates.get(index).copied().flatten()
     }
 
     /// Lets tobj read the reduced text. A model's name is its object's index, its material an index into `materials`.
@@ -89,11 +93,19 @@ pub(super) fn screen(bytes: &[u8]) -> Result<Screened, ObjFault> {
     for statement in lines(text).filter_map(Statement::new) {
         match statement.keyword {
             "v" => screener.total_vertices += 1,
-            "vn" => normals.push(numbers(&statement, "normal")?.into()),
-            "vt" => {
-                let [u, v, _] = numbers(&statement, "texture coordinate")?;
-                let place = DVec2::new(u, v);
-                screener.screened.texture_coordinates.push(place);
+            "vn" | "vt" => {
+                let found = numbers(&statement);
+                if found.is_none() {
+                    screener.screened.bad_numbers += 1;
+                    let first = &mut screener.screened.first_bad_number;
+                    first.get_or_insert(statement.line);
+                }
+                if statement.keyword == "vn" {
+                    normals.push(found.map_or(DVec3::ZERO, DVec3::from));
+                } else {
+                    let place = found.map(|[u, v, _]| DVec2::new(u, v));
+                    screener.screened.texture_coordinates.push(place);
+                }
             }
             _ => {}
         }
@@ -155,18 +167,16 @@ fn own(statement: &Statement) -> Vec<String> {
     words.map(String::from).collect()
 }
 
-/// Up to three numbers, which are finite; 0 for those that are missing.
-fn numbers(statement: &Statement, what: &str) -> Result<[f64; 3], ObjFault> {
+/// Up to three numbers, 0 for those that are missing; `None` where some word is no finite number.
+fn numbers(statement: &Statement) -> Option<[f64; 3]> {
     let mut numbers = [0.0; 3];
     for (number, word) in numbers.iter_mut().zip(statement.words()) {
-        let parsed = word.parse().ok();
-        *number = parsed
-            .filter(|number: &f64| number.is_finite())
-            .ok_or_else(|| {
-                statement.malformed(format!("{what}: {word:?} is not a finite number"))
-            })?;
+        *number = word
+            .parse()
+            .ok()
+            .filter(|number: &f64| number.is_finite())?;
     }
-    Ok(numbers)
+    Some(numbers)
 }
 
 #[derive(Default)]

@@ -38,7 +38,7 @@ impl Textures {
             Ok(texture) => Some(texture),
             Err(error) => {
                 warnings.push(format!(
-                    "the texture {} is left out: {error}; Kd alone counts",
+                    "the texture {} is left out: {error}; Kd alone counts, or grey where that is 0",
                     path.display()
                 ));
                 None
