@@ -53,7 +53,7 @@ pub struct ConvexRows<'a> {
 }
 
 impl<'a> ConvexRows<'a> {
-    /// Rows of a scene in which nothing hides anything; `None` where something may, where drawing hemicubes costs
+    /// Rows of a scene's patches, in which nothing hides anything; `None` where something may, where drawing hemicubes costs
     /// less, and for the thesis's maps.
     pub fn new(hemicubes: &Arc<Hemicubes<'a>>) -> Option<Self> {
         let sources = hemicubes.sources();

@@ -228,7 +228,10 @@ impl<'a> FormFactors<'a> {
             Needed::All => None,
             Needed::Lit(start) => unlit::unlit(&hemicubes, start),
         };
-        let Backend { source, choice } = self.open(&hemicubes)?;
+        let Backend { source, choice } = match self.formulas(&hemicubes) {
+            Some(rows) => Backend::without_choice(Box::new(rows)),
+            None => self.open(&hemicubes)?,
+        };
         let sources = hemicubes.sources();
         let is_stored = sources.are_patches() && source.draws_hemicubes();
         let files = self.row_files.as_ref().filter(|_| is_stored);
@@ -247,7 +250,8 @@ impl<'a> FormFactors<'a> {
         Ok(rows)
     }
 
-    /// The rows of any receivers to some sources.
+    /// The rows of any receivers to some sources. They are drawn: formulas hold for points on the walls of a convex room,
+    /// in front of which all of it lies, not for others.
     ///
     /// # Errors
     /// As [`Self::rows`].
@@ -259,15 +263,16 @@ impl<'a> FormFactors<'a> {
         self.open(&Arc::new(Hemicubes::at(receivers, sources, self.settings)))
     }
 
-    /// Who makes the rows of hemicubes.
-    fn open(&self, hemicubes: &Arc<Hemicubes<'a>>) -> Result<Backend<'a>, BackendError> {
-        if self.settings.closed_forms == ClosedForms::Auto
+    /// The rows of patches as formulas, where they can be had and are wanted.
+    fn formulas(&self, hemicubes: &Arc<Hemicubes<'a>>) -> Option<ConvexRows<'a>> {
+        let is_wanted = self.settings.closed_forms == ClosedForms::Auto
             && self.drawing.backend == BackendChoice::Auto
-            && self.origin.is_none_or(|origin| origin.has_formulas)
-            && let Some(rows) = ConvexRows::new(hemicubes)
-        {
-            return Ok(Backend::without_choice(Box::new(rows)));
-        }
+            && self.origin.is_none_or(|origin| origin.has_formulas);
+        is_wanted.then(|| ConvexRows::new(hemicubes)).flatten()
+    }
+
+    /// Who draws the rows of hemicubes.
+    fn open(&self, hemicubes: &Arc<Hemicubes<'a>>) -> Result<Backend<'a>, BackendError> {
         let Backend { source, mut choice } = match self.origin.and_then(|origin| origin.drawer) {
             Some(drawer) => backend::open_again(hemicubes, drawer)?,
             None => backend::open(hemicubes, self.drawing)?,

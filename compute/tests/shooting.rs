@@ -2,11 +2,18 @@
 
 mod common;
 
+use std::ops::Range;
+use std::sync::Arc;
+
 use common::methods::{
-    Method, ROUNDING, ROUNDINGS_PER_RADIOSITY, converge, iterate, largest_reflectance, radiosity,
-    relative_difference, rows, solved, solver,
+    Method, ROUNDING, ROUNDINGS_PER_RADIOSITY, SETTINGS, converge, iterate, largest_reflectance,
+    radiosity, relative_difference, rows, solved, solver,
 };
+use compute::cpu::CpuRows;
+use compute::hemicubes::Hemicubes;
 use compute::problem::Problem;
+use compute::row_cache::RowCache;
+use compute::rows::{BackendError, RowBatch, RowSource};
 use compute::solver::ambient_radiosity;
 use glam::DVec3;
 use scene::{Solution, State};
@@ -122,4 +129,49 @@ fn shooting_takes_over_what_another_solver_has_done() {
         difference <= 2.0 * rho / (1.0 - rho) * RESIDUAL,
         "{difference:e}"
     );
+}
+
+/// Rows that end in an error after some.
+struct Failing<'a> {
+    rows: CpuRows<'a>,
+    left: u32,
+}
+
+impl RowSource for Failing<'_> {
+    fn draw_rows(&mut self, receivers: Range<u32>) -> Result<RowBatch, BackendError> {
+        let what = || "torn out".to_owned();
+        self.left = self
+            .left
+            .checked_sub(receivers.len() as u32)
+            .ok_or_else(|| BackendError::DeviceLost { what: what() })?;
+        self.rows.draw_rows(receivers)
+    }
+
+    fn preferred_batch(&self) -> u32 {
+        16
+    }
+
+    fn describe(&self) -> String {
+        self.rows.describe()
+    }
+}
+
+/// A solution of another solver is shot once before shots begin. Where that fails on the way, it is the solution still.
+#[test]
+fn a_back_end_that_fails_leaves_the_solution_that_is_taken_over() {
+    let scene = common::colourful_room(0.3);
+    let start = solved(Method::Jacobi, &scene, 1e-3);
+    let hemicubes = Arc::new(Hemicubes::new(&scene, SETTINGS));
+    let failing = Failing {
+        rows: CpuRows::new(&hemicubes),
+        left: scene.patch_count() / 2,
+    };
+    let mut rows = RowCache::new(&hemicubes, Box::new(failing), u64::MAX);
+    let mut solver = solver(Method::Shooting, &scene, start.clone());
+    while solver.step(&mut rows).is_ok() {}
+    assert!(rows.statistics().kept_rows > 0);
+    assert!(solver.snapshot() == start);
+    // And once more, which would otherwise begin to shoot.
+    assert!(solver.step(&mut rows).is_err());
+    assert!(solver.snapshot() == start);
 }

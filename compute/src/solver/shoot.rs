@@ -37,7 +37,7 @@ use glam::DVec3;
 use scene::{Provenance, Rgb, Solution, State};
 
 use super::{Solver, Step};
-use crate::compact_rows::Row;
+use crate::compact_rows::{CompactRows, Row};
 use crate::problem::Problem;
 use crate::row_cache::RowCache;
 use crate::rows::{BackendError, UNITS_PER_ONE};
@@ -115,13 +115,9 @@ impl Shoot {
         }
     }
 
-    fn step_takeover(
-        &mut self,
-        mut takeover: Takeover,
-        rows: &mut RowCache,
-    ) -> Result<Step, BackendError> {
+    /// Shoots all radiosity of the batch's patches, which the takeover comes to next.
+    fn step_takeover(&mut self, mut takeover: Takeover, batch: &CompactRows) -> Step {
         let count = self.problem.patch_count();
-        let batch = rows.batch_with(takeover.next as u32)?;
         let range = batch.receivers();
         for patch in takeover.next..range.end as usize {
             let radiosity = self
@@ -140,10 +136,10 @@ impl Shoot {
         } else {
             self.takeover = Some(takeover);
         }
-        Ok(Step {
+        Step {
             ends_iteration: false,
             share_done,
-        })
+        }
     }
 }
 
@@ -263,7 +259,15 @@ fn power(problem: &Problem, i: usize, radiosity: Rgb) -> f64 {
 impl Solver for Shoot {
     fn step(&mut self, rows: &mut RowCache) -> Result<Step, BackendError> {
         if let Some(takeover) = self.takeover.take() {
-            return self.step_takeover(takeover, rows);
+            let next = takeover.next as u32;
+            return match rows.batch_with(next) {
+                Ok(batch) => Ok(self.step_takeover(takeover, batch)),
+                Err(error) => {
+                    // Without it, what is half taken over would be a solution.
+                    self.takeover = Some(takeover);
+                    Err(error)
+                }
+            };
         }
         let shooter = self.unshot_powers.largest();
         let batch = rows.batch_for_one(shooter as u32)?;

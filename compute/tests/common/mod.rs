@@ -41,6 +41,10 @@ pub fn load(folder: &Path, name: &str) -> Solution {
 pub fn program(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_compute"));
     command.args(arguments).current_dir(folder);
+    // wgpu's EGL probe writes a warning to standard error without it.
+    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+        command.env("XDG_RUNTIME_DIR", std::env::temp_dir());
+    }
     if !arguments.contains(&"--backend") && arguments.len() > 1 {
         command.args(["--backend", "cpu"]);
     }
