@@ -66,7 +66,7 @@ pub const RECIPROCITY_TOLERANCE: f64 = 0.05;
 /// What a run knows of the quality of its form factors and of its solution.
 #[derive(Clone, Debug, Serialize)]
 pub struct Certificate {
-    /// Rows drawn in this run. Unless all rows of lit patches are drawn, the figures that need all of them are null.
+    /// Rows drawn or read in this run. Unless all rows of lit patches are drawn, the figures that need all of them are null.
     /// Patches that no light can reach have no part in the exchange.
     pub rows_drawn: u32,
     /// Patches that no other patch sees, of those that light can reach; null unless all rows of these were drawn.
@@ -293,7 +293,7 @@ impl Certificate {
         let mut violations = Vec::new();
         if self.rows_drawn < patches {
             violations.push(format!(
-                "only {} of {patches} rows of form factors were drawn in this run",
+                "only {} of {patches} rows of form factors were drawn or read in this run",
                 self.rows_drawn
             ));
         }

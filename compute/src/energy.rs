@@ -20,7 +20,7 @@ pub struct Energy {
     pub emitted_w: [f64; 3],
     /// By patches.
     pub absorbed_w: [f64; 3],
-    /// Through openings; null where no row was drawn in this run.
+    /// Through openings; null where no row was drawn or read in this run.
     pub lost_w: Option<[f64; 3]>,
     /// To back faces; null as above.
     pub back_faces_w: Option<[f64; 3]>,

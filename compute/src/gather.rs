@@ -3,7 +3,7 @@
 //! H = sum_j F_j B_j over the sources j, F_j the sensor's form factors, B_j the sources' radiosities, W/m^2. Its direct
 //! part is sum_j F_j E_j, what arrives from the emitters themselves.
 
-use scene::{Rgb, Scene, Solution};
+use scene::{Rgb, Solution};
 
 use crate::FormFactors;
 use crate::backend::Backend;
@@ -27,7 +27,6 @@ pub struct Received {
 
 /// Sensors in a solved scene, and who looks from them.
 pub struct Gathering<'a> {
-    scene: &'a Scene,
     /// Of the patches, W/m^2.
     radiosity: Vec<Rgb>,
     emission: Vec<Rgb>,
@@ -53,7 +52,6 @@ impl<'a> Gathering<'a> {
         let (count, on_surfaces) = (sensors.count(), sensors.on_surfaces());
         let backend = form_factors.at(Box::new(sensors), sources)?;
         Ok(Self {
-            scene,
             radiosity: solution.radiosity(scene),
             emission: scene.patch_emissions(),
             backend,
@@ -61,11 +59,6 @@ impl<'a> Gathering<'a> {
             on_surfaces,
             next: 0,
         })
-    }
-
-    /// The scene.
-    pub fn scene(&self) -> &'a Scene {
-        self.scene
     }
 
     /// How many sensors lie on surfaces.
@@ -81,11 +74,6 @@ impl<'a> Gathering<'a> {
     /// Something the user should know about the choice of the back end.
     pub fn remark(&self) -> Option<&str> {
         self.backend.choice.remark.as_deref()
-    }
-
-    /// Share of the sensors that have gathered, 0 to 1.
-    pub fn share_done(&self) -> f64 {
-        f64::from(self.next) / f64::from(self.count.max(1))
     }
 
     /// Lets the next sensors gather, as many as suit the back end; none are left where it hands out none.

@@ -61,7 +61,7 @@ pub struct Report {
     pub ambient_radiosity: Option<[f64; 3]>,
     /// Power balance.
     pub energy: Energy,
-    /// Row sums; null where no row was drawn in this run.
+    /// Row sums; null where no row was drawn or read in this run.
     pub closure: Option<Closure>,
     /// Mean share of a hemisphere that sees back faces, by area; null as above.
     pub back_face_share: Option<f64>,

@@ -264,6 +264,7 @@ impl<'a> RowCache<'a> {
             }
         });
         let states: Vec<RowState> = states.collect();
+        self.statistics.drawn_rows += self.lit_in(&(patch..end));
         Ok(self.take_up(batch, &states))
     }
 

@@ -11,7 +11,7 @@ use serde_json::json;
 /// Where on a patch its hemicubes stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Points {
-    /// One or more in each patch, as its surroundings ask for, see [`crate::hemicubes`].
+    /// One or more in each patch, as its surroundings ask for, see [`crate::receivers`].
     Auto,
     /// At the centroids of the 2^bisections triangles the patch's own bisection makes; 0 is the
     /// patch's centroid.

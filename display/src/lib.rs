@@ -1,6 +1,6 @@
 //! Pictures and exports of scenes and solutions, made on the CPU: no graphics card, no screen.
 //!
-//! A picture is an item buffer seen from a [`Camera`] ([`compute::cpu`]), many samples a pixel,
+//! A picture is an item buffer seen from a [`Camera`] ([`visibility`]), many samples a pixel,
 //! each looked up in the patches' values ([`shade`]) and mapped to display light ([`tone`]). What
 //! the program does is [`run`]; [`render`] and [`patch_colors`] serve other programs.
 //!

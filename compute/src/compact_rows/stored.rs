@@ -1,6 +1,7 @@
 //! Rows as a file keeps them: the same headers and numbers, checked before anything decodes them.
 
 use super::{BLOCK, CompactRows, EXPONENT_BIAS, End, Header, LANES, MOST_SKIPPED, MOST_STEP, WIDE};
+use crate::rows::UNITS_PER_ONE;
 
 /// One row as it is stored. What has this type can be decoded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -15,6 +16,10 @@ pub struct Stored<'a> {
 /// A narrow block's largest storage.
 const MOST_STORAGE: u32 = (MOST_STEP.to_bits() >> 23) - 127 + EXPONENT_BIAS as u32;
 
+/// What the entries of a row sum to at most. One hemisphere has half of it; the thesis's multipliers and lamps' views count
+/// somewhat more.
+const MOST_UNITS: f64 = 2.0 * UNITS_PER_ONE as f64;
+
 /// The header that skips as many blocks as it can, and has no entry itself.
 const SKIP: u32 = MOST_SKIPPED << 16;
 
@@ -23,11 +28,12 @@ const NOT_FINITE: u16 = 0x7f80;
 
 impl<'a> Stored<'a> {
     /// The row of these headers and numbers, whoever wrote them; `None` where they are not what a row of entries
-    /// of `sources` patches can be: patches in order and all there, units finite and not negative, no number
-    /// missing or left over.
+    /// of `sources` patches can be: patches in order and all there, units finite, not negative and no more than a hemisphere can have, no number missing or
+    /// left over.
     pub fn checked(headers: &'a [u32], numbers: &'a [u16], sources: u32) -> Option<Self> {
         let mut left = numbers;
         let mut next_block = 0;
+        let mut units = 0.0;
         for &bits in headers {
             let header = Header::new(bits);
             let block = next_block + u64::from(header.skipped);
@@ -45,6 +51,7 @@ impl<'a> Stored<'a> {
                 }
                 continue;
             }
+            let of_block = left;
             for half in 0..2 {
                 let count = (header.bits >> (LANES * half) & 0xff).count_ones() as usize;
                 let numbers;
@@ -62,8 +69,10 @@ impl<'a> Stored<'a> {
                     }
                 }
             }
+            header.decode(0, of_block, |entry| units += f64::from(entry.units));
         }
-        left.is_empty().then(|| Self::new(headers, numbers))
+        let is_row = left.is_empty() && units <= MOST_UNITS;
+        is_row.then(|| Self::new(headers, numbers))
     }
 
     /// Of a row that was encoded or checked.
@@ -138,7 +147,7 @@ mod tests {
     /// A row, narrow and wide, with gaps of all lengths.
     fn any_rows() -> impl Strategy<Value = CompactRows> {
         let gap = prop_oneof![6 => 1..3_u32, 2 => 1..40_u32, 1 => 1..5000_u32];
-        let units = prop_oneof![4 => 1.0..1e5_f32, 1 => 1e6..1e9_f32, 1 => 1e-20..1e-3_f32];
+        let units = prop_oneof![4 => 1.0..1e5_f32, 1 => 1e6..1e8_f32, 1 => 1e-20..1e-3_f32];
         let row = vec((gap, units), 0..60).prop_map(|steps| {
             let mut patch = 0;
             let entries = steps.into_iter().map(|(gap, units)| {
@@ -251,8 +260,9 @@ mod tests {
         assert!(!is_row(&[(MOST_STORAGE + 1) << 24 | 1], &[1]));
         // Infinity, NaN, a negative number.
         let wide = WIDE << 24 | 1;
-        assert!(is_row(&[wide], &[0xffff, 0x7f7f]));
-        for upper in [0x7f80, 0x7fc0, 0x8000] {
+        // A hemisphere, and far more than one.
+        assert!(is_row(&[wide], &[0, 0x4f80]));
+        for upper in [0x7f7f, 0x7f80, 0x7fc0, 0x8000] {
             assert!(!is_row(&[wide], &[0, upper]));
         }
         // No entry, without being a skip; skips to and past the last patch's block, 312.

@@ -22,11 +22,6 @@ pub fn words(surface_count: usize) -> usize {
 }
 
 impl Horizon {
-    /// Whose it is.
-    pub fn own(&self) -> Option<SurfaceId> {
-        self.own
-    }
-
     /// A bit for each surface.
     pub fn words(&self) -> &[u32] {
         &self.words

@@ -1,5 +1,5 @@
 //! Sums delta form factors by patch on the device, and reads the sums that are not zero. Twin of the
-//! merging in `cpu/rows.rs`.
+//! merging in `cpu.rs`.
 
 use super::adapter::Gpu;
 use super::atlas::AtlasLayout;

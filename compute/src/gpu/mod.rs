@@ -37,7 +37,7 @@
 //! follows from the arithmetic at its centre, whatever a rasteriser does.
 //!
 //! A row must have the same bits whatever it is drawn together with. So that this does not hang on how
-//! corners are rounded either, a hemicube's place in the atlas follows from its patch alone. Another
+//! corners are rounded either, a hemicube's place in the atlas follows from its number alone. Another
 //! adapter may give other bits, where it rounds products and sums together.
 
 pub mod adapter;

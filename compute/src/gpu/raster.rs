@@ -1,5 +1,5 @@
 //! Who finds the pixels of what the faces of hemicubes see: the fixed pipeline, or a compute shader. Twin of
-//! `cpu/raster.rs`.
+//! `spans` of the crate `visibility`.
 //!
 //! # Theory
 //! Raster units find the pixels of a triangle for nothing, where a chip has many for its arithmetic units, as

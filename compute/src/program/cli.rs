@@ -16,6 +16,7 @@ use visibility::hemicube::MAX_RESOLUTION;
 use self::form_factors::FormFactorArguments;
 use super::{Settings, Task};
 use crate::quantity::{parse_duration, parse_size};
+use crate::row_file::path_beside;
 use crate::settings::{
     BackendChoice, Drawing, SolutionSettings, SolveSettings, SolverChoice, SourceArea,
 };
@@ -90,7 +91,8 @@ struct Arguments {
     #[arg(long, value_name = "SIZE", default_value = "4GiB", value_parser = parse_size)]
     memory: u64,
     /// What the rows of form factors may take in OUT.rows, from which a run that goes on reads them instead of drawing
-    /// them again: written once a run lasts longer than --checkpoint-every, looked for beside IN and OUT; 0B: none
+    /// them again: written once a run lasts longer than --checkpoint-every, over those of another run; looked for beside IN
+    /// and OUT; 0B: none
     #[arg(long, value_name = "SIZE", default_value = "8GiB", value_parser = parse_size)]
     rows_file_limit: u64,
     /// Leave OUT.rows where it is when the run ends by its tolerance
@@ -211,14 +213,16 @@ pub fn backend_parser() -> impl TypedValueParser<Value = BackendChoice> {
 impl Arguments {
     /// Only OUT may be another file too, namely IN.
     fn check_files(&self) -> Result<(), String> {
+        let rows = path_beside(&self.output);
         let files = [
             ("IN", Some(&self.input)),
             ("OUT", Some(&self.output)),
+            ("OUT's rows", rows.as_ref()),
             ("--report", self.report.as_ref()),
             ("--form-factors", self.form_factors.as_ref()),
             ("--view-factors", self.view_factors.as_ref()),
         ];
-        check_different(&files, 2)
+        check_different(&files, 3)
     }
 }
 

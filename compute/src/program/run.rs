@@ -165,8 +165,15 @@ fn save(
     }
 }
 
+/// Whether there is no room, on the disk or for this user.
 fn is_disk_full(error: &FileError) -> bool {
-    matches!(&error.fault, FileFault::Io { source, .. } if source.kind() == ErrorKind::StorageFull)
+    let FileFault::Io { source, .. } = &error.fault else {
+        return false;
+    };
+    matches!(
+        source.kind(),
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded
+    )
 }
 
 /// Removes the rows beside the output where its disk is full; false where there are none.

@@ -19,6 +19,8 @@ pub struct RowStatistics {
     pub left_out_rows: u64,
     /// Their memory, bytes.
     pub left_out_bytes: u64,
+    /// Rows that were drawn, each counted as often as it was drawn.
+    pub drawn_rows: u64,
     /// Rows that were read from a file instead of drawn, each counted as often as it was read.
     pub read_rows: u64,
     /// Time spent reading and writing files of rows.
@@ -31,17 +33,13 @@ impl RowStatistics {
         (self.kept_entries > 0).then(|| self.kept_bytes as f64 / self.kept_entries as f64)
     }
 
-    /// Rows that were drawn, each counted as often.
-    pub fn drawn_rows(&self) -> u64 {
-        self.kept_rows + self.left_out_rows - self.read_rows
-    }
-
     /// The same rows, with what drawing and reading others has cost counted too.
     #[must_use]
     pub fn with_drawing_of(&self, others: &Self) -> Self {
         Self {
             hemicubes: self.hemicubes + others.hemicubes,
             duration: self.duration + others.duration,
+            drawn_rows: self.drawn_rows + others.drawn_rows,
             read_rows: self.read_rows + others.read_rows,
             files: self.files + others.files,
             ..*self

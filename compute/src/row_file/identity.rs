@@ -6,13 +6,17 @@ use scene::{RecordedSettings, Scene};
 use serde::{Deserialize, Serialize};
 use twox_hash::XxHash3_64;
 
+/// To be raised by every change of any bit of any row: where hemicubes stand and how they are turned, what their pixels see
+/// and count, lamps' views, how rows are rounded.
+const ROWS_REVISION: u32 = 1;
+
 /// Everything that decides rows. Runs of equal identities draw the same rows, bit for bit; reflectances,
 /// solvers, threads and memory are not in it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 // A field that this program does not know might be the one that differs.
 #[serde(deny_unknown_fields)]
 pub struct Identity {
-    /// The version of the program that drew them.
+    /// The version of the program that drew them, and the revision of what it draws.
     program: String,
     /// Name and adapter of the back end.
     backend: String,
@@ -40,7 +44,7 @@ struct Receivers {
 /// What a receiver is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum ReceiverKind {
+enum ReceiverKind {
     /// A patch, whose row is the mean over its hemicubes.
     Patches,
 }
@@ -67,7 +71,7 @@ impl Identity {
         backend: &str,
     ) -> Self {
         Self {
-            program: env!("CARGO_PKG_VERSION").to_owned(),
+            program: format!("{}, rows {ROWS_REVISION}", env!("CARGO_PKG_VERSION")),
             backend: backend.to_owned(),
             settings: RecordedSettings::new(settings),
             geometry: geometry(sources),

@@ -64,7 +64,7 @@ use std::path::{Path, PathBuf};
 
 use scene::file::{FileError, FileFault};
 
-pub use identity::{Identity, ReceiverKind};
+pub use identity::Identity;
 pub use read::RowFile;
 pub use store::{RowFileRemark, RowFiles, StoredRows, remove};
 pub use write::RowWriter;
@@ -119,14 +119,18 @@ pub enum RowFileError {
     )]
     Foreign { path: PathBuf },
     #[error(
-        "{}: version {found} of row files is not supported, this program reads {}; remove the file or use a newer version of the toolkit",
+        "{}: version {found} of row files is not supported, this program reads {}",
         path.display(),
         layout::VERSION
     )]
     Version { path: PathBuf, found: u32 },
-    #[error("{}: damaged: {what}; remove the file", path.display())]
+    #[error("{}: damaged: {what}", path.display())]
     Damaged { path: PathBuf, what: String },
-    #[error("{}: its rows are of another run: this one has {}", path.display(), differences.join(", "))]
+    #[error(
+        "{}: its rows are of another run: this one has {}",
+        path.display(),
+        differences.join(", ")
+    )]
     Other {
         path: PathBuf,
         differences: Vec<String>,

@@ -94,7 +94,7 @@ impl Run<'_, '_> {
                 share_done: step.share_done,
                 residual: solver.residual(),
                 hemicubes: statistics.hemicubes,
-                rows: statistics.drawn_rows(),
+                rows: statistics.drawn_rows,
                 drawing: statistics.duration,
                 rows_after,
             });

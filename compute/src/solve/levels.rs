@@ -218,7 +218,14 @@ impl<'a> Run<'a, '_> {
         coarser: Coarser,
     ) -> Result<OfSources, SolveError> {
         let form_factors = self.form_factors.of_scene(coarse);
-        let (mut solver, mut rows) = self.open_on(&form_factors, area, start)?;
+        // What coarser sources have come to.
+        let before = start.irradiance.iter().any(|&h| h != Rgb::ZERO);
+        let before = before.then(|| Box::new(start.clone()));
+        let opened = self.open_on(&form_factors, area, start);
+        let (mut solver, mut rows) = opened.map_err(|cause| SolveError {
+            cause,
+            solution: before,
+        })?;
         let result = self.iterate(&mut solver, &mut rows, Goal::ConvergenceAmongSources);
         let mut solved = OfSources {
             report: SourcesReport::new(coarse.patch_count(), area),
@@ -267,10 +274,18 @@ impl<'a> Run<'a, '_> {
             mut report,
             rows: rows_of_sources,
         } = of_sources;
+        if let Err(cause) = result {
+            let solution = Some(Box::new(solution));
+            return Err(SolveError { cause, solution });
+        }
         let coarse = two_levels::sources(self.scene, report.max_area);
         let sources = Sources::coarse(self.scene, &coarse);
         let needed = self.needed(&solution);
-        let mut rows = self.open(&self.form_factors.clone(), sources, needed)?;
+        let opened = self.open(&self.form_factors.clone(), sources, needed);
+        let mut rows = opened.map_err(|error| SolveError {
+            cause: error.into(),
+            solution: Some(Box::new(solution.clone())),
+        })?;
         if !is_stopped {
             let start = self.recorded(solution);
             let mut gather = GatherOnce::new(rows.sources(), report.max_area, start);

@@ -12,7 +12,8 @@ mod start;
 
 use std::time::Instant;
 
-use scene::{Rgb, Scene, Solution};
+use scene::{Rgb, Scene, SceneError, Solution};
+use visibility::hemicube::MAX_RESOLUTION;
 
 use crate::backend::Trial;
 use crate::cancel::CancelToken;
@@ -52,6 +53,10 @@ pub enum SolveFault {
     Backend(#[from] BackendError),
     #[error("radiosities are beyond what f32 holds, 3e38 W/m^2; lower the emission")]
     Overflow,
+    #[error("resolution {value} must be an even number from 2 to {MAX_RESOLUTION}")]
+    Resolution { value: u32 },
+    #[error("the start is no solution of the scene: {0}")]
+    Start(SceneError),
 }
 
 impl<E: Into<SolveFault>> From<E> for SolveError {
@@ -217,9 +222,15 @@ impl<'a> Solve<'a> {
     /// Solves the scene, on the threads of the rayon pool it is called in.
     ///
     /// # Errors
-    /// A back end that does not open or cannot go on, and radiosities that no f32 holds. The error has what was solved
-    /// until then.
+    /// A resolution that is none and a start that is no solution of the scene; a back end that does not open or cannot go
+    /// on, and radiosities that no f32 holds. The error has what was solved until then.
     pub fn run(self) -> Result<Solved, SolveError> {
+        let resolution = self.settings.solution.form_factors.resolution;
+        if !resolution.is_multiple_of(2) || !(2..=MAX_RESOLUTION).contains(&resolution) {
+            return Err(SolveFault::Resolution { value: resolution }.into());
+        }
+        let start_is_good = self.start.as_ref().map(|start| start.validate(self.scene));
+        start_is_good.transpose().map_err(SolveFault::Start)?;
         let mut nobody = observer::Nobody;
         let Self {
             scene,

@@ -16,7 +16,8 @@ pub trait Observer {
     /// Something that a user should know.
     fn remark(&mut self, _remark: &Remark) {}
 
-    /// An iteration has ended, which was this one, counted from 1; `solution` makes what there is now.
+    /// An iteration among the scene's patches has ended, which was this one, counted from 1; `solution` makes what there is
+    /// now. Those among coarser sources, of which patches have nothing yet, are not told.
     fn iteration(&mut self, _iterations: u64, _solution: &dyn Fn() -> Solution) {}
 
     /// What there is of the solution, now and then: the run goes on from it with the same bits as if it had never

@@ -4,7 +4,7 @@
 //! A row sum of 1 says that nothing was lost, not that anything is right: wrong factors that are
 //! normalised sum to 1 too. Only cases whose answers are known tell. The bank holds form factors in
 //! closed form ([`closed_forms`], and those of `view_factors.json`), closed rooms, furnaces, solvers
-//! against a dense linear solve, and the Cornell box against a [path tracer](path_tracer).
+//! against a dense linear solve, and two rooms against a [path tracer](path_tracer).
 //!
 //! # Practice
 //! A case goes the way a scene goes in a run with the same options: [`FormFactors`](crate::FormFactors) has its rows, and
