@@ -6,8 +6,10 @@ use std::str::FromStr;
 use clap::{CommandFactory, Parser, ValueEnum, error::ErrorKind};
 use glam::DVec3;
 
+use scene::Axis;
+
 use crate::settings::{
-    Axis, ExportFormat, ImageFormat, Mode, Quantity, Range, RenderSettings, Settings, Size,
+    ExportFormat, ImageFormat, Mode, Quantity, Range, RenderSettings, Settings, Size,
 };
 
 /// Shows a scene or its solution: pictures and exports, without a graphics card.
@@ -212,7 +214,7 @@ fn numbers<T: FromStr, const N: usize>(text: &str, separator: char) -> Option<[T
 fn point(text: &str) -> Result<DVec3, String> {
     numbers(text, ',')
         .map(DVec3::from_array)
-        .ok_or_else(|| "give three numbers, in metres, as in 1.5,-2,0".into())
+        .ok_or_else(|| "give three numbers, in the model's own coordinates, as in 1.5,-2,0".into())
 }
 
 fn size(text: &str) -> Result<Size, String> {

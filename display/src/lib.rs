@@ -36,7 +36,7 @@ pub mod up;
 pub use camera::Camera;
 pub use picture::{Picture, patch_colors, render};
 pub use run::run;
+pub use scene::Axis;
 pub use settings::{
-    Axis, ExportFormat, ImageFormat, Mode, Quantity, Range, RenderSettings, Settings,
-    SettingsError, Size,
+    ExportFormat, ImageFormat, Mode, Quantity, Range, RenderSettings, Settings, SettingsError, Size,
 };

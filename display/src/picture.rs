@@ -174,7 +174,7 @@ fn place_camera(
 ) -> Result<(Camera, f64), SettingsError> {
     let up = settings.up.unwrap_or_else(|| up::guess(scene)).direction();
     let aspect = view.map(|size| f64::from(size.width) / f64::from(size.height));
-    let in_scene = |point: DVec3| point - scene.origin();
+    let in_scene = |point: DVec3| scene.to_scene(point);
     if let Some(eye) = settings.eye {
         let [low, high] = scene.bounds().map(Vec3::as_dvec3);
         let target = settings.look_at.map_or(0.5 * (low + high), in_scene);

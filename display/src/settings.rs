@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use glam::DVec3;
+use scene::Axis;
 use scene::file::is_same_file;
 
 /// The longest side of a picture, pixels.
@@ -11,7 +12,7 @@ pub const MAX_SIDE: u32 = 16_384;
 /// The most pixels of a picture: its linear and its mapped form take 28 bytes a pixel, 4 GB in all.
 pub const MAX_PIXELS: u64 = 1 << 27;
 
-/// The largest coordinate of a camera, metres; squares of it are far from overflow.
+/// The largest coordinate of a camera; squares of it are far from overflow.
 const MAX_COORDINATE: f64 = 1e12;
 
 /// How values become colours.
@@ -82,29 +83,6 @@ pub struct Range {
     pub high: f64,
 }
 
-/// A coordinate axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs)] // the names say all
-pub enum Axis {
-    X,
-    Y,
-    Z,
-}
-
-impl Axis {
-    /// All three.
-    pub const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
-
-    /// Unit vector along the axis.
-    pub fn direction(self) -> DVec3 {
-        match self {
-            Self::X => DVec3::X,
-            Self::Y => DVec3::Y,
-            Self::Z => DVec3::Z,
-        }
-    }
-}
-
 /// What a picture shows, and from where. The default takes all from the scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RenderSettings {
@@ -118,9 +96,9 @@ pub struct RenderSettings {
     pub cull_back_faces: bool,
     /// Size of the whole picture, legend included.
     pub size: Option<Size>,
-    /// Position of the camera in the model's own coordinates, metres.
+    /// Position of the camera in the model's own coordinates.
     pub eye: Option<DVec3>,
-    /// The point in the middle of the picture, in the model's own coordinates, metres.
+    /// The point in the middle of the picture, in the model's own coordinates.
     pub look_at: Option<DVec3>,
     /// Vertical angle of view, degrees, between 0 and 180.
     pub fov_degrees: Option<f64>,

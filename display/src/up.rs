@@ -1,16 +1,15 @@
-//! Which axis points up in a scene that does not say.
+//! Which axis points up in a scene.
 //!
 //! In this order:
-//! 1. Rooms are lower than they are wide: the axis of the smallest extent, if that is at most
+//! 1. What the scene says.
+//! 2. Rooms are lower than they are wide: the axis of the smallest extent, if that is at most
 //!    three quarters of the next one.
-//! 2. Lamps hang from ceilings: the axis along which the emitted power leaves the lamps (the sum
+//! 3. Lamps hang from ceilings: the axis along which the emitted power leaves the lamps (the sum
 //!    of power times normal), if that is at least 0.9 of all power.
-//! 3. Y, as in most OBJ files.
+//! 4. Y, as in most OBJ files.
 
 use glam::{DVec3, Vec3};
-use scene::Scene;
-
-use crate::settings::Axis;
+use scene::{Axis, Scene};
 
 /// Smallest extent over the next one, from which on no extent is called the smallest.
 const CLEARLY_LOWER: f64 = 0.75;
@@ -20,7 +19,9 @@ const CLEARLY_ALONG: f64 = 0.9;
 /// The axis that points up.
 pub fn guess(scene: &Scene) -> Axis {
     let [low, high] = scene.bounds().map(Vec3::as_dvec3);
-    lowest(high - low)
+    let known = scene.axes().up;
+    known
+        .or_else(|| lowest(high - low))
         .or_else(|| lamps(scene))
         .unwrap_or(Axis::Y)
 }

@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser};
 use genx::{Change, Look, Model, Settings};
-use scene::Rgb;
 use scene::file::is_same_file;
 use scene::obj::Orient;
+use scene::{Axis, Rgb};
 
 /// What the user asks for.
 pub struct Request {
@@ -111,6 +111,12 @@ struct Arguments {
     /// the file's own normals are turned), normals, or winding
     #[arg(long, default_value = "auto", value_parser = ORIENTS.map(|(name, _)| name))]
     orient: String,
+    /// What the coordinates of FILE.obj are: m, cm, mm, in or ft; areas and powers are in m^2 and W all the same [default: m]
+    #[arg(long, value_name = "UNIT", value_parser = UNITS.map(|(name, _)| name))]
+    unit: Option<String>,
+    /// The axis that points up, for pictures: x, y or z; else guessed
+    #[arg(long, value_name = "AXIS", value_parser = UPS.map(|(name, _)| name))]
+    up: Option<String>,
     /// Give a material or an object this reflectance
     #[arg(long = "reflectance", value_name = "NAME=R,G,B", value_parser = named_colour)]
     reflectance_of: Vec<(String, Rgb)>,
@@ -131,6 +137,26 @@ const ORIENTS: [(&str, Orient); 3] = [
     ("normals", Orient::Normals),
     ("winding", Orient::Winding),
 ];
+
+/// The units of --unit, in metres.
+const UNITS: [(&str, f64); 5] = [
+    ("m", 1.0),
+    ("cm", 0.01),
+    ("mm", 0.001),
+    ("in", 0.0254),
+    ("ft", 0.3048),
+];
+
+/// The words of --up.
+const UPS: [(&str, Axis); 3] = [("x", Axis::X), ("y", Axis::Y), ("z", Axis::Z)];
+
+/// What a word stands for.
+fn meaning<T: Copy>(words: &[(&str, T)], word: Option<&String>) -> Option<T> {
+    let found = words
+        .iter()
+        .find(|(name, _)| word.is_some_and(|word| word == name));
+    found.map(|(_, value)| *value)
+}
 
 /// A name and one number or three; the last "=" ends the name.
 fn named_colour(text: &str) -> Result<(String, Rgb), String> {
@@ -177,10 +203,9 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Request, S
         reflectance: arguments.reflectance,
         light_power: arguments.light_power,
         max_reflectance: arguments.max_reflectance,
-        orient: ORIENTS
-            .into_iter()
-            .find(|(name, _)| *name == arguments.orient)
-            .map_or(Orient::Auto, |(_, orient)| orient),
+        orient: meaning(&ORIENTS, Some(&arguments.orient)).unwrap_or_default(),
+        unit: meaning(&UNITS, arguments.unit.as_ref()),
+        up: meaning(&UPS, arguments.up.as_ref()),
         changes: [
             changes(arguments.reflectance_of, Look::Reflectance),
             changes(arguments.light, Look::Emission),

@@ -9,11 +9,13 @@
 
 mod builder;
 mod changes;
+mod extent;
 mod grid;
 mod models;
 mod settings;
 
 pub use changes::{Change, Look, UnknownName};
+pub use extent::FarAway;
 pub use models::make;
 pub use settings::{Model, Settings, SettingsError, UnknownModel};
 
@@ -48,6 +50,9 @@ pub enum GenxError {
     /// The OBJ file cannot be used.
     #[error(transparent)]
     Obj(#[from] scene::obj::ObjError),
+    /// Something lies so far away that nothing else is where it should be.
+    #[error(transparent)]
+    FarAway(#[from] FarAway),
     /// Something is to change that is not there.
     #[error(transparent)]
     UnknownName(#[from] UnknownName),

@@ -64,6 +64,9 @@ fn summary(out: &Path, made: &Made) -> String {
     let (smallest, largest) = patch_areas(scene);
     line("patch area", format!("{smallest:.6e} to {largest:.6e} m^2"));
     line("area", format!("{} m^2", scene.area()));
+    let [low, high] = scene.bounds().map(glam::Vec3::as_dvec3);
+    let glam::DVec3 { x, y, z } = high - low;
+    line("extent", format!("{x} x {y} x {z} m"));
     let power = scene.emitted_power();
     line(
         "emitted power",

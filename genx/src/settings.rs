@@ -3,8 +3,8 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use scene::Rgb;
 use scene::obj::{ImportOptions, Orient};
+use scene::{Axis, ModelAxes, Rgb};
 
 use crate::changes::{Change, Look};
 
@@ -77,6 +77,10 @@ pub struct Settings {
     pub max_reflectance: Option<f32>,
     /// Which side of `Obj`'s faces is their front.
     pub orient: Orient,
+    /// What one is in the coordinates of `Obj`, metres, finite and above 0.
+    pub unit: Option<f64>,
+    /// The axis of the model that points up.
+    pub up: Option<Axis>,
     /// What materials and objects are given by name, after all else.
     pub changes: Vec<Change>,
 }
@@ -115,6 +119,8 @@ impl Settings {
             light_power: None,
             max_reflectance: None,
             orient: Orient::Auto,
+            unit: None,
+            up: None,
             changes: Vec::new(),
         }
     }
@@ -125,6 +131,15 @@ impl Settings {
             reflectance: self.reflectance,
             max_reflectance: self.max_reflectance,
             orient: self.orient,
+            axes: self.axes(),
+        }
+    }
+
+    /// What the model's coordinates are.
+    pub fn axes(&self) -> ModelAxes {
+        ModelAxes {
+            unit: self.unit.unwrap_or(1.0),
+            up: self.up,
         }
     }
 

@@ -11,6 +11,8 @@ pub enum SceneError {
     NoSurfaces,
     #[error("the scene's origin {origin} is not finite")]
     Origin { origin: glam::DVec3 },
+    #[error("the unit of the model's coordinates, {value} m, is not a finite number above 0")]
+    Unit { value: f64 },
     #[error(
         "material \"{material}\": {channel} reflectance {value} is outside [0, 1); clamp it, for example to 0.99"
     )]

@@ -7,6 +7,7 @@
 //!
 //! Lengths are metres, powers W, exitances and irradiances W/m^2, colours linear RGB.
 
+mod axes;
 pub mod bisection;
 mod error;
 pub mod export;
@@ -23,6 +24,7 @@ pub mod srgb;
 mod surface;
 pub mod weld;
 
+pub use axes::{Axis, ModelAxes};
 pub use error::SceneError;
 pub use ids::{MAX_PATCHES, MaterialId, NO_PATCH, ObjectId, PatchId, SurfaceId};
 pub use material::Material;

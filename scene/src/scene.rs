@@ -3,8 +3,8 @@
 use glam::{DVec3, Vec3};
 
 use crate::{
-    MAX_PATCHES, Material, MaterialId, Mesh, ObjectId, PatchId, SceneError, Surface, SurfaceId,
-    bisection,
+    MAX_PATCHES, Material, MaterialId, Mesh, ModelAxes, ObjectId, PatchId, SceneError, Surface,
+    SurfaceId, bisection,
 };
 
 /// Linear RGB values: reflectances, or exitances in W/m^2.
@@ -19,6 +19,7 @@ pub struct Scene {
     /// One per surface.
     faces: Vec<u32>,
     origin: DVec3,
+    axes: ModelAxes,
     mesh: Mesh,
 }
 
@@ -110,6 +111,7 @@ impl Scene {
             faces: (0..surfaces.len() as u32).collect(),
             surfaces,
             origin,
+            axes: ModelAxes::default(),
             mesh,
         })
     }
@@ -154,6 +156,17 @@ impl Scene {
         Ok(Self { faces, ..self })
     }
 
+    /// The same scene, of a model whose coordinates are these; so far they were metres.
+    ///
+    /// # Errors
+    /// A unit that is none.
+    pub fn with_axes(self, axes: ModelAxes) -> Result<Self, SceneError> {
+        Ok(Self {
+            axes: axes.validate()?,
+            ..self
+        })
+    }
+
     /// The same scene with coarser patches: surface s is bisected `min(bisections(s), its own)` times, so that
     /// every patch of this scene is part of one of that.
     #[must_use]
@@ -194,6 +207,21 @@ impl Scene {
     /// What was subtracted from the model's coordinates, metres.
     pub fn origin(&self) -> DVec3 {
         self.origin
+    }
+
+    /// What the model's own coordinates are.
+    pub fn axes(&self) -> ModelAxes {
+        self.axes
+    }
+
+    /// A place in the model's own coordinates, of one in the scene, metres.
+    pub fn to_model(&self, place: DVec3) -> DVec3 {
+        (place + self.origin) / self.axes.unit
+    }
+
+    /// A place in the scene, metres, of one in the model's own coordinates.
+    pub fn to_scene(&self, place: DVec3) -> DVec3 {
+        place * self.axes.unit - self.origin
     }
 
     /// The patches over the surfaces.

@@ -2,10 +2,13 @@
 
 mod common;
 
+use std::path::Path;
+
 use common::{folder, listing, material, small_scene, surface};
 use glam::DVec3;
 use scene::export::obj;
-use scene::{PatchId, Scene};
+use scene::obj::{ImportOptions, load_with};
+use scene::{Axis, ModelAxes, PatchId, Scene};
 
 /// Exports, and imports without subdivision.
 fn through_obj(scene: &Scene) -> Scene {
@@ -141,4 +144,39 @@ fn names_that_obj_cannot_hold_are_changed_so_that_the_import_finds_them() {
         ]
     );
     assert_eq!(again.objects(), ["first_f 9 9 9", "object"]);
+}
+
+/// A model in millimetres comes back in the digits that it had, and then as the same scene.
+#[test]
+fn models_in_other_units_come_back_as_they_were() {
+    let folder = folder();
+    let path = folder.path().join("a.obj");
+    let text = "v 1501 -333.3 2000.25\nv 4207 -333.3 2000.25\nv 1501 1234.5 0.1\nf 1 2 3\n";
+    std::fs::write(&path, text).unwrap();
+    let options = ImportOptions {
+        axes: ModelAxes {
+            unit: 0.001,
+            up: Some(Axis::Z),
+        },
+        ..ImportOptions::default()
+    };
+    let import = |path: &Path| {
+        load_with(path, &options)
+            .unwrap()
+            .into_scene(f64::INFINITY)
+            .unwrap()
+    };
+    let scene = import(&path);
+    let copy = folder.path().join("b.obj");
+    obj::save(&copy, &scene).unwrap();
+    let written = std::fs::read_to_string(&copy).unwrap();
+    for line in text.lines().filter(|line| line.starts_with("v ")) {
+        assert!(written.contains(line), "{line} is missing in {written}");
+    }
+    let again = import(&copy);
+    assert_eq!(again.surfaces(), scene.surfaces());
+    assert_eq!(
+        (again.origin(), again.axes()),
+        (scene.origin(), scene.axes())
+    );
 }

@@ -41,7 +41,7 @@ fn gather_all(settings: &GatherSettings, cancel: &CancelToken) -> anyhow::Result
         let solved = settings.solved.display();
         bail!("{solved}: the scene is not solved; solve it first: compute {solved} OUT");
     };
-    let table = Table::read(&settings.sensors, scene.origin())?;
+    let table = Table::read(&settings.sensors, &scene)?;
     let drawing = Drawing {
         backend: settings.backend,
         ..Drawing::default()

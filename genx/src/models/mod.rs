@@ -8,7 +8,7 @@ mod furnace;
 mod hall;
 mod obj;
 
-use scene::{Material, Rgb};
+use scene::{Material, ModelAxes, Rgb};
 
 use crate::builder::Builder;
 use crate::{GenxError, Made, Model, Settings};
@@ -46,8 +46,14 @@ pub fn make(settings: &Settings) -> Result<Made, GenxError> {
 
 fn generated(mut builder: Builder, max_area: f64, settings: &Settings) -> Result<Made, GenxError> {
     builder.parts().change(&settings.changes)?;
+    let scene = builder.finish(settings.max_area.unwrap_or(max_area))?;
+    // The program's own models are in metres.
+    let axes = ModelAxes {
+        up: settings.up,
+        ..ModelAxes::default()
+    };
     Ok(Made {
-        scene: builder.finish(settings.max_area.unwrap_or(max_area))?,
+        scene: scene.with_axes(axes)?,
         warnings: Vec::new(),
         imported: None,
         files: Vec::new(),

@@ -2,10 +2,12 @@
 
 use std::path::Path;
 
+use glam::DVec3;
 use scene::Surface;
 
 use super::override_materials;
 use crate::changes::Parts;
+use crate::extent;
 use crate::{GenxError, Imported, Made, Settings};
 
 /// The default area threshold is the model's area over this: at least so many patches, enough to
@@ -29,9 +31,20 @@ pub fn import(path: &Path, settings: &Settings) -> Result<Made, GenxError> {
     let mut files = std::mem::take(&mut model.files);
     files.push(path.to_owned());
     let scene = model.into_scene(max_area)?;
+    extent::check(&scene)?;
+    let mut warnings = report.warnings;
+    let extent = extent::of(&scene);
+    if settings.unit.is_none()
+        && let Some(unit) = extent::likely_unit(extent)
+    {
+        let DVec3 { x, y, z } = extent;
+        warnings.push(format!(
+            "the model is {x:.0} x {y:.0} x {z:.0} m large: are its coordinates in {unit}? then give --unit {unit}"
+        ));
+    }
     Ok(Made {
         scene,
-        warnings: report.warnings,
+        warnings,
         imported: Some(Imported {
             faces: report.faces,
             polygons: report.polygons,

@@ -38,7 +38,7 @@ pub fn save(path: &Path, scene: &Scene, solution: Option<&Solution>) -> Result<(
         for ((index, patch), (irradiance, radiosity)) in patches(scene).enumerate().zip(values) {
             let surface = scene.surface(patch.surface);
             let material = scene.material(surface.material);
-            let center = patch.centroid() + scene.origin();
+            let center = scene.to_model(patch.centroid());
             let normal = surface.normal().as_vec3();
             write!(
                 out,

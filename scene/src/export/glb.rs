@@ -1,12 +1,12 @@
 //! A coloured triangle mesh as binary glTF 2.0.
 //!
 //! The light is in the vertex colours, so the material is unlit (`KHR_materials_unlit`; programs
-//! without it see a white, rough material). Positions are f32 relative to the scene's origin, and
-//! the node's translation is the origin. glTF takes +Y as up; the axes stay as they are.
+//! without it see a white, rough material). Positions are f32 relative to the scene's origin, in metres; the node
+//! makes the model's own coordinates of them. glTF takes +Y as up; the axes stay as they are.
 
 use std::path::Path;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde_json::json;
 
 use super::{check_colors, patches};
@@ -71,6 +71,7 @@ fn document(scene: &Scene, vertices: u32) -> serde_json::Value {
         (Vec3::INFINITY, Vec3::NEG_INFINITY),
         |(low, high), corner| (low.min(corner), high.max(corner)),
     );
+    let scale = [1.0 / scene.axes().unit; 3];
     let position_bytes = vertices * POSITION_BYTES;
     let color_bytes = vertices * COLOR_BYTES;
     json!({
@@ -78,7 +79,11 @@ fn document(scene: &Scene, vertices: u32) -> serde_json::Value {
         "extensionsUsed": ["KHR_materials_unlit"],
         "scene": 0,
         "scenes": [{ "nodes": [0] }],
-        "nodes": [{ "mesh": 0, "translation": scene.origin().to_array() }],
+        "nodes": [{
+            "mesh": 0,
+            "translation": scene.to_model(DVec3::ZERO).to_array(),
+            "scale": scale,
+        }],
         "meshes": [{ "primitives": [{
             "attributes": { "POSITION": 0, "COLOR_0": 1 },
             "material": 0,

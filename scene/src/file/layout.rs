@@ -68,6 +68,8 @@ impl SectionName {
     pub const SURFACES: Self = Self::new("surfaces");
     /// u32 numbers of faces.
     pub const FACES: Self = Self::new("faces");
+    /// JSON of [`crate::ModelAxes`]; not there where they are metres and nothing else is known.
+    pub const AXES: Self = Self::new("axes");
     /// JSON of [`crate::Provenance`].
     pub const PROVENANCE: Self = Self::new("provenance");
     /// RGB irradiances.
@@ -82,11 +84,12 @@ impl SectionName {
     pub const REMAINDER: Self = Self::new("remainder");
 
     /// All that this code knows.
-    const ALL: [Self; 10] = [
+    const ALL: [Self; 11] = [
         Self::NAMES,
         Self::MATERIALS,
         Self::SURFACES,
         Self::FACES,
+        Self::AXES,
         Self::PROVENANCE,
         Self::IRRADIANCE,
         Self::GATHERED,

@@ -92,7 +92,10 @@ fn scene(sections: &Sections) -> Result<Scene, FileFault> {
         })
         .unzip();
     let origin = DVec3::from(sections.header.origin);
-    let scene = Scene::new(materials, names.objects, surfaces, &depths, origin)?;
+    let mut scene = Scene::new(materials, names.objects, surfaces, &depths, origin)?;
+    if sections.has(SectionName::AXES) {
+        scene = scene.with_axes(sections.json(SectionName::AXES)?)?;
+    }
     Ok(match sections.records_if_any(SectionName::FACES)? {
         Some(faces) => scene.with_faces(faces)?,
         None => scene,

@@ -152,6 +152,11 @@ impl<'a> Sections<'a> {
         self.find(name).map(|_| self.records(name)).transpose()
     }
 
+    /// Whether there is a section of this name.
+    pub(super) fn has(&self, name: SectionName) -> bool {
+        self.find(name).is_some()
+    }
+
     /// What a section that must be there says in JSON.
     pub(super) fn json<T: DeserializeOwned>(&self, name: SectionName) -> Result<T, FileFault> {
         serde_json::from_slice(self.section(name, 1)?)

@@ -11,7 +11,7 @@ use super::layout::{
     VERSION,
 };
 use super::{FileError, FileFault, table};
-use crate::{Level, Scene, Solution, State};
+use crate::{Level, ModelAxes, Scene, Solution, State};
 
 /// Writes a scene, with or without a solution, replacing the file at once or not at all.
 ///
@@ -136,6 +136,11 @@ pub fn to_bytes(scene: &Scene, solution: Option<&Solution>) -> Vec<u8> {
     file.records(SectionName::MATERIALS, REQUIRED, &materials);
     file.records(SectionName::SURFACES, REQUIRED, &surfaces);
     file.records(SectionName::FACES, 0, scene.faces());
+    let axes = scene.axes();
+    if axes != ModelAxes::default() {
+        // Who does not know the unit would take places for others.
+        file.json(SectionName::AXES, REQUIRED, &axes);
+    }
     if let Some(solution) = solution {
         file.json(SectionName::PROVENANCE, 0, &solution.provenance);
         file.records(SectionName::IRRADIANCE, 0, &solution.irradiance);

@@ -8,7 +8,7 @@ use super::looks::{Kept, Looks};
 use super::mtl::Taken;
 use super::repairs::{drop_repeated, turn_to_normals};
 use super::screen::{Face, Screened, Used};
-use super::{ImportReport, ObjFault, ObjModel, Orient, polygon};
+use super::{ImportOptions, ImportReport, ObjFault, ObjModel, polygon};
 use crate::{ObjectId, Surface};
 
 /// Margin on the largest extent, so that models whose extent is a power of two, which are common,
@@ -32,17 +32,11 @@ pub(super) struct Piece {
 pub(super) fn build(
     screened: &Screened,
     materials: Vec<Taken>,
-    orient: Orient,
+    options: &ImportOptions,
     mut report: ImportReport,
 ) -> Result<ObjModel, ObjFault> {
     let models = screened.parse().map_err(ObjFault::Parser)?;
-    let positions: Vec<Vec<DVec3>> = models
-        .iter()
-        .map(|model| {
-            let (points, _) = model.mesh.positions.as_chunks::<3>();
-            points.iter().copied().map(DVec3::from).collect()
-        })
-        .collect();
+    let positions = positions_of(&models, options.axes.unit);
     let origin = origin_of(positions.iter().flatten());
 
     let mut looks = Looks::new(materials);
@@ -119,7 +113,7 @@ pub(super) fn build(
         warn_of_places(&screened.objects, &mut report);
     }
     let objects = object_names(screened, &looks);
-    turn_to_normals(&mut pieces, orient, &mut report);
+    turn_to_normals(&mut pieces, options.orient, &mut report);
     drop_repeated(&mut pieces, &looks, &objects, triangles, &mut report);
     let (materials, pictures) = looks.into_materials();
     let mut kept_materials = Kept::new(materials.len());
@@ -134,9 +128,20 @@ pub(super) fn build(
         faces: pieces.iter().map(|piece| piece.face).collect(),
         surfaces: pieces.into_iter().map(|piece| piece.surface).collect(),
         origin,
+        axes: options.axes,
         report,
         files: pictures,
     })
+}
+
+/// The vertices of each model, metres.
+fn positions_of(models: &[tobj::Model], unit: f64) -> Vec<Vec<DVec3>> {
+    let of_model = |model: &tobj::Model| {
+        let (points, _) = model.mesh.positions.as_chunks::<3>();
+        let in_metres = |&point: &[f64; 3]| unit * DVec3::from(point);
+        points.iter().map(in_metres).collect()
+    };
+    models.iter().map(of_model).collect()
 }
 
 /// Names of the objects. In a file that names none they are those of the materials.

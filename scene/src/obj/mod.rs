@@ -16,7 +16,7 @@
 //! - Triangles without area beyond f32 rounding are dropped and counted.
 //!
 //! # Positions
-//! Positions are f64 until the origin is subtracted, then f32. The origin is the middle of the
+//! Positions are f64, multiplied by their unit, until the origin is subtracted, then f32. The origin is the middle of the
 //! bounding box of all faces, rounded by axis to a multiple of a power of two q which is at least
 //! the largest extent. So a model that has a corner at or surrounds zero keeps its coordinates
 //! bit for bit, no coordinate exceeds q, and what is exported imports to the same origin.
@@ -44,7 +44,7 @@ use glam::DVec3;
 
 pub use error::{ObjError, ObjFault};
 
-use crate::{Material, Scene, SceneError, Surface};
+use crate::{Material, ModelAxes, Scene, SceneError, Surface};
 use mtl::Library;
 
 /// An imported model, ready for [`crate::Scene::with_max_area`] and [`crate::Scene::with_faces`].
@@ -60,6 +60,8 @@ pub struct ObjModel {
     pub faces: Vec<u32>,
     /// What was subtracted from the file's coordinates, metres.
     pub origin: DVec3,
+    /// What these coordinates are.
+    pub axes: ModelAxes,
     /// What was noticed.
     pub report: ImportReport,
     /// All files that were read, or asked for, beside the OBJ file.
@@ -76,6 +78,8 @@ pub struct ImportOptions {
     pub max_reflectance: Option<f32>,
     /// Which side of a face is its front.
     pub orient: Orient,
+    /// What the file's coordinates are.
+    pub axes: ModelAxes,
 }
 
 /// Which side of a face is its front.
@@ -104,9 +108,12 @@ impl ObjModel {
             surfaces,
             faces,
             origin,
+            axes,
             ..
         } = self;
-        Scene::with_max_area(materials, objects, surfaces, max_area, origin)?.with_faces(faces)
+        Scene::with_max_area(materials, objects, surfaces, max_area, origin)?
+            .with_faces(faces)?
+            .with_axes(axes)
     }
 }
 
@@ -193,7 +200,7 @@ fn build(
     }
     let library = library(&screened.libraries, &mut report.warnings)?;
     let materials = library.materials_for(&screened.materials, options, &mut report.warnings)?;
-    let mut model = build::build(&screened, materials, options.orient, report).map_err(fail)?;
+    let mut model = build::build(&screened, materials, options, report).map_err(fail)?;
     model.files.extend(library.into_files());
     Ok(model)
 }

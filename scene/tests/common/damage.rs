@@ -1,6 +1,7 @@
 //! Files of small scenes, and damage done to them byte by byte.
 
 use scene::file::{FileFault, from_bytes, to_bytes};
+use scene::{Axis, ModelAxes};
 use twox_hash::XxHash3_64;
 
 use super::{small_scene, small_shooting_solution, small_solution};
@@ -25,7 +26,11 @@ pub fn small_file() -> Vec<u8> {
 
 /// The same, and one of another solver: together they have every section.
 pub fn small_files() -> [Vec<u8>; 2] {
-    let scene = small_scene();
+    let axes = ModelAxes {
+        unit: 0.001,
+        up: Some(Axis::Z),
+    };
+    let scene = small_scene().with_axes(axes).unwrap();
     let shooting = to_bytes(&scene, Some(&small_shooting_solution(&scene)));
     [small_file(), shooting]
 }

@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 
 use csv::StringRecord;
 use glam::DVec3;
-use scene::MAX_PATCHES;
+use scene::{MAX_PATCHES, Scene};
 
 use crate::gather::Received;
 use crate::receivers::Sensor;
 
-/// The columns that a table must have, in the model's coordinates: metres, and a direction of any length.
+/// The columns that a table must have, in the model's own coordinates, and a direction of any length.
 const NEEDED: [&str; 6] = ["x", "y", "z", "nx", "ny", "nz"];
 
 /// The columns that are added.
@@ -78,17 +78,17 @@ pub struct Table {
 }
 
 impl Table {
-    /// Reads a table for a scene from whose coordinates `origin` was subtracted, metres.
-    pub fn read(path: &Path, origin: DVec3) -> Result<Self, TableError> {
+    /// Reads a table for a scene.
+    pub fn read(path: &Path, scene: &Scene) -> Result<Self, TableError> {
         let fail = |fault| TableError {
             path: path.to_owned(),
             fault,
         };
         let bytes = std::fs::read(path).map_err(|error| fail(csv::Error::from(error).into()))?;
-        Self::parse(&bytes, origin).map_err(fail)
+        Self::parse(&bytes, scene).map_err(fail)
     }
 
-    fn parse(bytes: &[u8], origin: DVec3) -> Result<Self, TableFault> {
+    fn parse(bytes: &[u8], scene: &Scene) -> Result<Self, TableFault> {
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .flexible(true)
@@ -144,7 +144,7 @@ impl Table {
                 .try_normalize()
                 .ok_or_else(|| TableFault::Normal { line: line() })?;
             table.sensors.push(Sensor {
-                position: DVec3::new(x, y, z) - origin,
+                position: scene.to_scene(DVec3::new(x, y, z)),
                 normal,
             });
             table.rows.push(row);
