@@ -15,6 +15,7 @@
 
 pub mod camera;
 pub mod cli;
+pub mod dark;
 pub mod default_camera;
 pub mod kind;
 pub mod legend;

@@ -7,6 +7,7 @@ use scene::{PatchId, Rgb, Scene, Solution};
 use visibility::Cull;
 
 use crate::camera::Camera;
+use crate::dark;
 use crate::default_camera::{self, Framing, Wishes};
 use crate::legend::{self, Clipped, Layout};
 use crate::range;
@@ -61,7 +62,7 @@ pub fn render(
         width: size.width - legend.map_or(0, |layout| layout.width),
         ..size
     });
-    let (camera, aspect) = place_camera(scene, settings, asked_view, cull)?;
+    let (mut camera, aspect) = place_camera(scene, settings, asked_view, cull)?;
     let view = asked_view.unwrap_or(Size {
         width: (f64::from(DEFAULT_HEIGHT) * aspect).round() as u32,
         height: DEFAULT_HEIGHT,
@@ -92,11 +93,26 @@ pub fn render(
     } else {
         Shading::flat(&values, &tone)
     };
+    let mut light = shade::light(scene, &camera, view, cull, &shading, &tone);
+    let is_dark = light.linear.iter().all(|&value| value == Rgb::ZERO);
+    // Where nobody has placed the camera, it may as well show what is lit.
+    if is_dark
+        && settings.eye.is_none()
+        && let Some(framing) = dark::before_light(
+            scene,
+            &values,
+            &wishes(scene, settings, asked_view, cull),
+            aspect,
+        )
+    {
+        camera = framing.camera;
+        light = shade::light(scene, &camera, view, cull, &shading, &tone);
+    }
     let Light {
         seen,
         linear,
         display,
-    } = shade::light(scene, &camera, view, cull, &shading, &tone);
+    } = light;
     let mut pixels = widened(display, view, size);
     if settings.mode == Mode::FalseColor
         && let Some(layout) = Layout::inside(size)
@@ -165,6 +181,16 @@ fn tone(scene: &Scene, values: &[Rgb], settings: &RenderSettings) -> Option<Tone
     Tone::new(settings.mode, range)
 }
 
+/// What the settings leave to a camera's choice.
+fn wishes(scene: &Scene, settings: &RenderSettings, view: Option<Size>, cull: Cull) -> Wishes {
+    Wishes {
+        up: settings.up.unwrap_or_else(|| up::guess(scene)).direction(),
+        fov_degrees: settings.fov_degrees,
+        aspect: view.map(|size| f64::from(size.width) / f64::from(size.height)),
+        cull,
+    }
+}
+
 /// The camera, and width over height of its view.
 fn place_camera(
     scene: &Scene,
@@ -182,12 +208,7 @@ fn place_camera(
         let camera = Camera::new(in_scene(eye), target - in_scene(eye), up, fov);
         return Ok((camera, aspect.unwrap_or(default_camera::ASPECT)));
     }
-    let wishes = Wishes {
-        up,
-        fov_degrees: settings.fov_degrees,
-        aspect,
-        cull,
-    };
+    let wishes = wishes(scene, settings, view, cull);
     let Framing { mut camera, aspect } = default_camera::choose(scene, &wishes);
     if let Some(look_at) = settings.look_at {
         let forward = in_scene(look_at) - camera.eye;

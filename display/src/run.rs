@@ -6,6 +6,7 @@ use std::path::Path;
 use anyhow::Result;
 use scene::{Rgb, Scene, Solution, export};
 
+use crate::dark;
 use crate::number;
 use crate::output::{save_exr, save_png};
 use crate::picture::{patch_colors, render};
@@ -22,7 +23,7 @@ pub fn run(settings: &Settings) -> Result<()> {
     settings.validate()?;
     let (scene, solution) = scene::file::load(&settings.input)?;
     if shows_solution(settings)
-        && let Some(trouble) = trouble(&scene, solution.as_ref(), settings.render.quantity)
+        && let Some(trouble) = trouble(&scene, solution.as_ref(), &settings.render)
     {
         note(&format!("{}: {trouble}", settings.input.display()));
     }
@@ -48,7 +49,11 @@ fn shows_solution(settings: &Settings) -> bool {
 }
 
 /// What keeps a solution from being one, or from showing anything, and what to do.
-fn trouble(scene: &Scene, solution: Option<&Solution>, quantity: Quantity) -> Option<String> {
+fn trouble(
+    scene: &Scene,
+    solution: Option<&Solution>,
+    settings: &RenderSettings,
+) -> Option<String> {
     if !scene
         .surfaces()
         .iter()
@@ -56,7 +61,7 @@ fn trouble(scene: &Scene, solution: Option<&Solution>, quantity: Quantity) -> Op
     {
         return Some("nothing emits, so all is black; give a material an emission".into());
     }
-    let shown = match quantity {
+    let shown = match settings.quantity {
         Quantity::Radiosity => "the radiosity shown is the emission alone",
         Quantity::Irradiance => "the irradiance shown is 0",
     };
@@ -69,6 +74,12 @@ fn trouble(scene: &Scene, solution: Option<&Solution>, quantity: Quantity) -> Op
             "the solution has had 0 iterations, {shown}; go on with compute"
         ));
     }
+    if let Some(object) = lit_from_behind(scene, Some(solution), settings) {
+        return Some(format!(
+            "most of the light of the strongest lamp falls on backs of \"{object}\", which are black: does it face the wrong way? \
+             genx --flip \"{object}\" turns it, --two-sided \"{object}\" gives it both sides"
+        ));
+    }
     let residual = *solution.provenance.residuals.last()?;
     // A NaN is no convergence either.
     let is_converged = residual <= CONVERGED;
@@ -77,6 +88,16 @@ fn trouble(scene: &Scene, solution: Option<&Solution>, quantity: Quantity) -> Op
             "not converged, the last residual {residual:.1e} is above {CONVERGED:e}; go on with compute"
         )
     })
+}
+
+/// The object that has its backs to the light, where the camera, which nobody has placed, is not to blame.
+fn lit_from_behind<'s>(
+    scene: &'s Scene,
+    solution: Option<&Solution>,
+    settings: &RenderSettings,
+) -> Option<&'s str> {
+    let solution = solution.filter(|_| settings.eye.is_none())?;
+    dark::lit_from_behind(scene, &solution.irradiance)
 }
 
 /// What a user should know of what the camera sees, and what to do.
@@ -114,7 +135,10 @@ fn write_picture(
         settings.mode
     };
     let picture = render(scene, solution, &RenderSettings { mode, ..*settings })?;
-    if let Some(sight) = sight(picture.seen, settings.cull_back_faces) {
+    // Where a lamp shines on backs, that has been told.
+    if let Some(sight) = sight(picture.seen, settings.cull_back_faces)
+        && lit_from_behind(scene, solution, settings).is_none()
+    {
         note(&format!("{}: {sight}", path.display()));
     }
     let (width, height) = (picture.mapped.width(), picture.mapped.height());

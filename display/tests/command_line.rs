@@ -5,7 +5,8 @@ mod common;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use common::lit_room;
+use common::{Builder, lit_room};
+use glam::Vec3;
 use tempfile::TempDir;
 
 /// A folder with a solved scene, `room`, and the same unsolved, `unsolved`.
@@ -338,6 +339,45 @@ fn scene_that_nothing_lights_says_so() {
     }
     let [_, err] = run(folder.path(), "dark --export a.obj", 0);
     assert!(err.is_empty(), "{err}");
+}
+
+/// A cube that faces outwards with a lamp in it: from outside all is black, and from inside too but for the lamp.
+#[test]
+fn a_lamp_that_shines_on_backs_is_told_in_one_line_and_the_picture_is_not_black() {
+    let folder = folder();
+    let mut builder = Builder::default();
+    let (wall, lamp) = (builder.material(0.5, 0.0), builder.material(0.0, 5.0));
+    builder.block(Vec3::NEG_ONE, Vec3::ONE, wall, 2);
+    builder.quad(
+        [
+            [-0.3, -0.3, 0.8],
+            [-0.3, 0.3, 0.8],
+            [0.3, 0.3, 0.8],
+            [0.3, -0.3, 0.8],
+        ],
+        lamp,
+        0,
+    );
+    let scene = builder.scene();
+    let mut solution = scene::Solution::dark(&scene);
+    solution.provenance.iterations = 1;
+    solution.provenance.residuals = vec![0.0];
+    scene::file::save(&folder.path().join("cube"), &scene, Some(&solution)).unwrap();
+    let [_, err] = run(folder.path(), "cube --out a.png --size 64x48", 0);
+    assert_eq!(err.lines().count(), 1, "{err}");
+    for part in [
+        "cube: ",
+        "backs of \"all\"",
+        "genx --flip \"all\"",
+        "--two-sided",
+    ] {
+        assert!(err.contains(part), "{part} is missing in {err}");
+    }
+    let picture = image::open(folder.path().join("a.png"))
+        .unwrap()
+        .into_rgb8();
+    let lit = picture.pixels().filter(|pixel| pixel.0 != [0; 3]).count();
+    assert!(lit > 64 * 48 / 10, "{lit}");
 }
 
 #[test]

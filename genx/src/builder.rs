@@ -166,6 +166,7 @@ impl Builder {
             materials: &mut self.materials,
             objects: &self.objects,
             surfaces: &mut self.surfaces,
+            faces: None,
         }
     }
 

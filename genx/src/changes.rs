@@ -1,4 +1,4 @@
-//! Materials and objects that are given other reflectances and emissions by name.
+//! Materials and objects that are given other reflectances, emissions and sides by name.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -22,6 +22,10 @@ pub enum Look {
     Emission(Rgb),
     /// Emitted power of all its surfaces together, W, each channel finite and at least 0.
     Power(Rgb),
+    /// Its front where its back is.
+    Flipped,
+    /// Fronts on both sides.
+    TwoSided,
 }
 
 /// A name that is given something and that nothing has.
@@ -39,7 +43,9 @@ pub struct Parts<'a> {
     /// All objects' names.
     pub objects: &'a [String],
     /// All surfaces.
-    pub surfaces: &'a mut [Surface],
+    pub surfaces: &'a mut Vec<Surface>,
+    /// The file's triangle of each, if they come from one.
+    pub faces: Option<&'a mut Vec<u32>>,
 }
 
 impl Parts<'_> {
@@ -47,16 +53,67 @@ impl Parts<'_> {
     /// material's.
     pub fn change(&mut self, changes: &[Change]) -> Result<(), UnknownName> {
         for change in changes {
-            let materials = self.materials_of(&change.name)?;
-            let has = |surface: &&Surface| materials.contains(&surface.material);
-            let area: f64 = self.surfaces.iter().filter(has).map(Surface::area).sum();
-            for id in materials {
-                let material = &mut self.materials[id.index()];
-                match change.to {
-                    Look::Reflectance(reflectance) => material.reflectance = reflectance,
-                    Look::Emission(emission) => material.emission = emission,
-                    Look::Power(power) => material.emission = (power.as_dvec3() / area).as_vec3(),
-                }
+            match change.to {
+                Look::Flipped => self.flip(&self.surfaces_of(&change.name)?),
+                Look::TwoSided => self.back(&self.surfaces_of(&change.name)?),
+                Look::Reflectance(_) | Look::Emission(_) | Look::Power(_) => self.paint(change)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// Indices of the surfaces of a material or an object.
+    fn surfaces_of(&self, name: &str) -> Result<Vec<usize>, UnknownName> {
+        let of_material = |s: &Surface| self.materials[s.material.index()].name == name;
+        let of_object = |s: &Surface| self.objects[s.object.index()] == name;
+        let all = |has: &dyn Fn(&Surface) -> bool| -> Vec<usize> {
+            let surfaces = self.surfaces.iter().enumerate();
+            surfaces.filter(|(_, s)| has(s)).map(|(k, _)| k).collect()
+        };
+        let found = Some(all(&of_material)).filter(|found| !found.is_empty());
+        let found = found.unwrap_or_else(|| all(&of_object));
+        if found.is_empty() {
+            return Err(UnknownName {
+                name: name.to_owned(),
+            });
+        }
+        Ok(found)
+    }
+
+    fn flip(&mut self, surfaces: &[usize]) {
+        for &k in surfaces {
+            self.surfaces[k].corners.swap(1, 2);
+        }
+    }
+
+    /// Gives surfaces a second one each, on their backs.
+    fn back(&mut self, surfaces: &[usize]) {
+        for &k in surfaces {
+            let Surface {
+                corners: [a, b, c], ..
+            } = self.surfaces[k];
+            let corners = [a, c, b];
+            self.surfaces.push(Surface {
+                corners,
+                ..self.surfaces[k]
+            });
+            if let Some(faces) = &mut self.faces {
+                faces.push(faces[k]);
+            }
+        }
+    }
+
+    fn paint(&mut self, change: &Change) -> Result<(), UnknownName> {
+        let materials = self.materials_of(&change.name)?;
+        let has = |surface: &&Surface| materials.contains(&surface.material);
+        let area: f64 = self.surfaces.iter().filter(has).map(Surface::area).sum();
+        for id in materials {
+            let material = &mut self.materials[id.index()];
+            match change.to {
+                Look::Reflectance(reflectance) => material.reflectance = reflectance,
+                Look::Emission(emission) => material.emission = emission,
+                Look::Power(power) => material.emission = (power.as_dvec3() / area).as_vec3(),
+                Look::Flipped | Look::TwoSided => {}
             }
         }
         Ok(())

@@ -126,6 +126,12 @@ struct Arguments {
     /// Let all surfaces of a material or an object emit this power together, W
     #[arg(long = "light-power", value_name = "NAME=W", value_parser = named_colour)]
     light_power_of: Vec<(String, Rgb)>,
+    /// Turn a material's or an object's faces round: their front is where their back was
+    #[arg(long, value_name = "NAME")]
+    flip: Vec<String>,
+    /// Give a material's or an object's faces fronts on both sides
+    #[arg(long, value_name = "NAME")]
+    two_sided: Vec<String>,
     /// Print the objects and materials with their areas
     #[arg(long)]
     list: bool,
@@ -210,6 +216,8 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Request, S
             changes(arguments.reflectance_of, Look::Reflectance),
             changes(arguments.light, Look::Emission),
             changes(arguments.light_power_of, Look::Power),
+            turns(arguments.flip, Look::Flipped),
+            turns(arguments.two_sided, Look::TwoSided),
         ]
         .concat(),
     };
@@ -227,6 +235,11 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Request, S
         settings,
         is_listed: arguments.list,
     })
+}
+
+/// What is done to the faces of names.
+fn turns(names: Vec<String>, to: Look) -> Vec<Change> {
+    names.into_iter().map(|name| Change { name, to }).collect()
 }
 
 /// What names are given.

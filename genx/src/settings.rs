@@ -176,6 +176,7 @@ impl Settings {
                         });
                     }
                 }
+                Look::Flipped | Look::TwoSided => {}
                 Look::Emission(rgb) | Look::Power(rgb) => {
                     if let Some(value) = outside(*rgb, |v| v >= 0.0 && v.is_finite()) {
                         return Err(SettingsError::LightOf {

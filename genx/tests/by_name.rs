@@ -167,3 +167,32 @@ fn a_read_only_file_is_not_replaced() {
     );
     assert_eq!(std::fs::read(&path).unwrap(), b"mine");
 }
+
+#[test]
+fn faces_are_turned_and_given_a_second_side_by_name() {
+    let folder = model();
+    let made = |more: &[&str]| {
+        make(
+            &folder,
+            &[&["a.rad", "m.obj", "--max-area", "inf"], more].concat(),
+        );
+        load(&folder, "a.rad")
+    };
+    // z of the normals of the surfaces of one object, and the file's triangles that these are.
+    let sides = |scene: &Scene, object: &str| -> Vec<(f64, u32)> {
+        let surfaces = scene.surfaces().iter().zip(scene.faces());
+        let of_object = surfaces.filter(|(s, _)| scene.object(s.object) == object);
+        of_object.map(|(s, &face)| (s.normal().z, face)).collect()
+    };
+    let plain = made(&[]);
+    assert_eq!(sides(&plain, "floor"), [(1.0, 0), (1.0, 1)]);
+    let flipped = made(&["--flip", "floor"]);
+    assert_eq!(sides(&flipped, "floor"), [(-1.0, 0), (-1.0, 1)]);
+    assert_eq!(sides(&flipped, "roof"), sides(&plain, "roof"));
+    let both = made(&["--two-sided", "floor"]);
+    let expected = [(1.0, 0), (1.0, 1), (-1.0, 0), (-1.0, 1)];
+    assert_eq!(sides(&both, "floor"), expected);
+    assert_eq!(both.surfaces().len(), plain.surfaces().len() + 2);
+    let message = failure(&folder, &["b.rad", "m.obj", "--flip", "flor"]);
+    assert!(message.contains("\"flor\""), "{message}");
+}

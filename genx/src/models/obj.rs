@@ -21,6 +21,7 @@ pub fn import(path: &Path, settings: &Settings) -> Result<Made, GenxError> {
         materials: &mut model.materials,
         objects: &model.objects,
         surfaces: &mut model.surfaces,
+        faces: Some(&mut model.faces),
     };
     parts.change(&settings.changes)?;
     let max_area = settings.max_area.unwrap_or_else(|| {

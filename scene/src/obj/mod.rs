@@ -2,18 +2,26 @@
 //!
 //! # What is taken
 //! - Vertices and polygons. Polygons are fanned from their first corner, or where that overlaps, as
-//!   in most concave ones, cut by their ears (`polygon.rs`); triangles come in file order. Normals and texture coordinates are ignored: the winding decides the front.
-//! - A name ends before a `#` that follows a space; inside a word it is part of the name.
-//! - `o` and `g` alike name objects; equal names are one object.
-//! - `Kd` is the reflectance, `Ke` the emission (exitance, W/m^2). Where a material, its `Kd` or
-//!   its file is missing, the reflectance is a grey of 0.5, and a warning names what is missing.
+//!   in most concave ones, cut by their ears (`polygon.rs`); triangles come in file order. The winding decides the front;
+//!   normals only say where a minority of faces is wound the wrong way (`repairs.rs`).
+//! - Names of materials and objects, byte by byte; those that differ anywhere are different (`lines.rs`). What follows a `#`
+//!   behind a material's name is a comment only where the library has no such name without cutting it.
+//! - `o` and `g` alike name objects; equal names are one object. Without any, the materials are the objects.
+//! - `Kd` is the reflectance, `Ke` the emission (exitance, W/m^2); of two definitions of a name the first counts. A
+//!   reflectance of 1 or more is 0.95. Where a material, its `Kd` or its file is missing, the reflectance is a grey of 0.5.
 //!   Only materials that faces use are kept, in the order of their first use.
+//! - `map_Kd`: a triangle reflects `Kd` times the mean of its part of the picture (`texture.rs`), which makes as many
+//!   materials of one name as there are means.
 //!
-//! # What is reported
-//! - A polygon counts as non-planar if a corner lies farther than 1e-4 of the polygon's extent from
-//!   its mean plane. It is fanned all the same, as is one that crosses itself; a warning counts
-//!   those whose triangles overlap.
-//! - Triangles without area beyond f32 rounding are dropped and counted.
+//! # What is left out
+//! - Triangles without area beyond f32 rounding, and those that lie where another one lies and face the same way: the
+//!   brightest lamp stays, whatever the order.
+//! - Faces of materials that are wholly transparent (`d 0`).
+//! - All other optical properties; each material's are told in one line.
+//!
+//! A polygon counts as non-planar if a corner lies farther than 1e-4 of the polygon's extent from
+//! its mean plane. It is fanned all the same, as is one that crosses itself; a warning counts
+//! those whose triangles overlap.
 //!
 //! # Positions
 //! Positions are f64, multiplied by their unit, until the origin is subtracted, then f32. The origin is the middle of the
@@ -22,10 +30,9 @@
 //! bit for bit, no coordinate exceeds q, and what is exported imports to the same origin.
 //!
 //! # How
-//! [`tobj`] resolves groups, materials and vertices. It panics on some inputs (an MTL colour of two
-//! numbers, a texture index far below zero), takes polylines for polygons and does not say where
-//! an error is, so `screen.rs` and `mtl.rs` check every line first and pass on a plain form of
-//! what is used.
+//! [`tobj`] resolves groups, materials and vertices. It panics on some inputs (a texture index far below zero), takes polylines
+//! for polygons, knows no names but UTF-8 and does not say where an error is, so `screen.rs` checks every line first and
+//! passes on a plain form of what is used, with numbers for names. MTL files are read here (`mtl.rs`).
 
 mod build;
 mod error;
