@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser};
+use genx::cut::Cut;
 use genx::{Change, Look, Model, Settings};
 use scene::file::is_same_file;
 use scene::obj::Orient;
@@ -126,6 +127,10 @@ struct Arguments {
     /// Let all surfaces of a material or an object emit this power together, W
     #[arg(long = "light-power", value_name = "NAME=W", value_parser = named_colour)]
     light_power_of: Vec<(String, Rgb)>,
+    /// Where faces of FILE.obj overlap in one plane, as a lamp in a ceiling: on (they are cut, and the lamp or the smaller thing
+    /// stays), off, or report (it is only told)
+    #[arg(long, default_value = "on", value_parser = CUTS.map(|(name, _)| name))]
+    cut: String,
     /// Turn a material's or an object's faces round: their front is where their back was
     #[arg(long, value_name = "NAME")]
     flip: Vec<String>,
@@ -155,6 +160,9 @@ const UNITS: [(&str, f64); 5] = [
 
 /// The words of --up.
 const UPS: [(&str, Axis); 3] = [("x", Axis::X), ("y", Axis::Y), ("z", Axis::Z)];
+
+/// The words of --cut.
+const CUTS: [(&str, Cut); 3] = [("on", Cut::On), ("off", Cut::Off), ("report", Cut::Report)];
 
 /// What a word stands for.
 fn meaning<T: Copy>(words: &[(&str, T)], word: Option<&String>) -> Option<T> {
@@ -212,6 +220,7 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Request, S
         orient: meaning(&ORIENTS, Some(&arguments.orient)).unwrap_or_default(),
         unit: meaning(&UNITS, arguments.unit.as_ref()),
         up: meaning(&UPS, arguments.up.as_ref()),
+        cut: meaning(&CUTS, Some(&arguments.cut)).unwrap_or_default(),
         changes: [
             changes(arguments.reflectance_of, Look::Reflectance),
             changes(arguments.light, Look::Emission),

@@ -9,6 +9,7 @@
 
 mod builder;
 mod changes;
+pub mod cut;
 mod extent;
 mod grid;
 mod models;
@@ -53,6 +54,9 @@ pub enum GenxError {
     /// Something lies so far away that nothing else is where it should be.
     #[error(transparent)]
     FarAway(#[from] FarAway),
+    /// More overlaps in one plane than can be put in order.
+    #[error(transparent)]
+    TooManyOverlaps(#[from] cut::TooManyOverlaps),
     /// Something is to change that is not there.
     #[error(transparent)]
     UnknownName(#[from] UnknownName),

@@ -7,6 +7,7 @@ use scene::obj::{ImportOptions, Orient};
 use scene::{Axis, ModelAxes, Rgb};
 
 use crate::changes::{Change, Look};
+use crate::cut::Cut;
 
 /// The models.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -81,6 +82,8 @@ pub struct Settings {
     pub unit: Option<f64>,
     /// The axis of the model that points up.
     pub up: Option<Axis>,
+    /// What is done where faces of `Obj` overlap in one plane.
+    pub cut: Cut,
     /// What materials and objects are given by name, after all else.
     pub changes: Vec<Change>,
 }
@@ -121,6 +124,7 @@ impl Settings {
             orient: Orient::Auto,
             unit: None,
             up: None,
+            cut: Cut::On,
             changes: Vec::new(),
         }
     }

@@ -7,8 +7,8 @@ use scene::Surface;
 
 use super::override_materials;
 use crate::changes::Parts;
-use crate::extent;
 use crate::{GenxError, Imported, Made, Settings};
+use crate::{cut, extent};
 
 /// The default area threshold is the model's area over this: at least so many patches, enough to
 /// show light and shadow in a small model, and no change to one that is finer already.
@@ -24,6 +24,15 @@ pub fn import(path: &Path, settings: &Settings) -> Result<Made, GenxError> {
         faces: Some(&mut model.faces),
     };
     parts.change(&settings.changes)?;
+    let overlaps = cut::put_in_order(
+        cut::Model {
+            surfaces: &mut model.surfaces,
+            faces: &mut model.faces,
+            materials: &model.materials,
+            objects: &model.objects,
+        },
+        settings.cut,
+    )?;
     let max_area = settings.max_area.unwrap_or_else(|| {
         let area: f64 = model.surfaces.iter().map(Surface::area).sum();
         area / DEFAULT_PATCHES
@@ -34,6 +43,7 @@ pub fn import(path: &Path, settings: &Settings) -> Result<Made, GenxError> {
     let scene = model.into_scene(max_area)?;
     extent::check(&scene)?;
     let mut warnings = report.warnings;
+    warnings.extend(overlaps);
     let extent = extent::of(&scene);
     if settings.unit.is_none()
         && let Some(unit) = extent::likely_unit(extent)

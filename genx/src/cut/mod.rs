@@ -1,0 +1,194 @@
+//! Planes put in order: faces that lie in one plane, face the same way and overlap are cut, and of two in one place one stays;
+//! and faces are cut along the lines on which others touch or cross them.
+//!
+//! # Why
+//! What is seen first where two surfaces lie in one plane is decided by rounding and the order of the file: a lamp in the
+//! plane of its ceiling shines through a part of itself, and light is made or lost. (Baum, Mann, Smith, Winget, "Making
+//! radiosity usable", SIGGRAPH 1991, section 3, on coplanar faces.) A patch that lies on both sides of a wall that stands on its
+//! floor has one radiosity for both rooms, so that light leaks below the wall; with an edge along the contact, shadows begin
+//! there.
+//!
+//! # Which one stays
+//! The one that a user means: a lamp before what does not emit, else the one whose coplanar, connected faces have the
+//! smaller area (a rug before its floor), else the one whose corners come first by their coordinates. The order in the
+//! file decides nothing.
+//!
+//! # Practice
+//! Faces are in one plane if the corners of the smaller are off the plane of the larger by [`PLANE_STEPS`] steps of an f32 at
+//! the farthest coordinate at most, and overlap if they do so by twice that in every direction. All edges of faces that overlap,
+//! directly or by way of others, make one arrangement in the coordinate plane that they face most, snapped to a grid
+//! ([`snap`]); its triangles, by a constrained Delaunay triangulation with exact predicates, are new surfaces. Corners of faces
+//! keep their coordinates, and all other faces stay bit for bit.
+//!
+//! # Differences
+//! Faces of the two sides of one plane do not cut each other. What lies inside of a solid, such as the floor below a box, is cut
+//! and stays.
+
+mod arrangement;
+mod contacts;
+mod groups;
+mod snap;
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use scene::{Material, Surface};
+
+/// How far off a plane what lies in it may be, in steps of an f32 at the farthest coordinate of the model.
+pub const PLANE_STEPS: f64 = 8.0;
+
+/// The side of a pixel of the grid on which edges meet, in the same steps: corners that are nearer are one.
+const PIXEL_STEPS: f64 = 2.0;
+
+/// The most faces of one arrangement: their number times that of its triangles is work.
+const MOST_FACES: usize = 4096;
+
+/// What is done where faces overlap in one plane.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Cut {
+    /// They are cut, and one stays in each place.
+    #[default]
+    On,
+    /// Nothing, and nothing is said.
+    Off,
+    /// It is said what would be.
+    Report,
+}
+
+/// More faces of one plane overlap than can be put in order.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "{faces} faces and contacts of others in one plane are to be cut, the first of object \"{object}\"; the limit is {MOST_FACES}: clean the model, or give --cut off"
+)]
+pub struct TooManyOverlaps {
+    faces: usize,
+    object: String,
+}
+
+/// The parts of a model that are put in order.
+pub struct Model<'a> {
+    /// All surfaces.
+    pub surfaces: &'a mut Vec<Surface>,
+    /// The file's triangle of each.
+    pub faces: &'a mut Vec<u32>,
+    /// All materials.
+    pub materials: &'a [Material],
+    /// All objects' names.
+    pub objects: &'a [String],
+}
+
+/// A face in its place among those that overlap: the least one stays.
+type Rank = (bool, i64, [scene::weld::Place; 3]);
+
+/// Cuts overlapping faces of one plane, as `cut` says, and tells of them, a line for each pair of objects.
+///
+/// # Errors
+/// More faces that overlap than can be put in order; then nothing is changed.
+pub fn put_in_order(mut model: Model, cut: Cut) -> Result<Vec<String>, TooManyOverlaps> {
+    if cut == Cut::Off {
+        return Ok(Vec::new());
+    }
+    let step = step_of(model.surfaces);
+    let tolerance = PLANE_STEPS * step;
+    let pairs = groups::near_pairs(model.surfaces, tolerance);
+    let contacts = contacts::contacts(model.surfaces, &pairs, tolerance);
+    let has_contacts = |k: usize| !contacts[k].is_empty();
+    let groups = groups::groups(model.surfaces, &pairs, tolerance, has_contacts);
+    let edges = |group: &[usize]| group.iter().map(|&k| 1 + contacts[k].len()).sum::<usize>();
+    if let Some(group) = groups.iter().find(|group| edges(group) > MOST_FACES) {
+        let object = model.surfaces[group[0]].object.index();
+        return Err(TooManyOverlaps {
+            faces: edges(group),
+            object: model.objects[object].clone(),
+        });
+    }
+    if groups.is_empty() {
+        return Ok(Vec::new());
+    }
+    let areas = groups::connected_areas(model.surfaces, tolerance);
+    let rank = |k: usize| -> Rank {
+        let surface = &model.surfaces[k];
+        let is_dark = !model.materials[surface.material.index()].is_emitter();
+        (is_dark, areas[k].0, areas[k].1)
+    };
+    // What takes whose place, by objects, m^2.
+    let mut taken: BTreeMap<[u32; 2], f64> = BTreeMap::new();
+    let mut is_cut = vec![false; model.surfaces.len()];
+    let mut added: Vec<(usize, Surface)> = Vec::new();
+    for group in &groups {
+        let contacts = group.iter().flat_map(|&k| &contacts[k]);
+        let lines: Vec<[DVec3; 2]> = contacts.map(|contact| contact.ends).collect();
+        let pixel = PIXEL_STEPS * step;
+        let Some(pieces) = arrangement::cut(model.surfaces, group, &lines, pixel, rank) else {
+            continue;
+        };
+        for piece in pieces {
+            let winner = piece.members[0];
+            for &loser in &piece.members[1..] {
+                let objects = [winner, loser].map(|k| model.surfaces[k].object.0);
+                *taken.entry(objects).or_default() += piece.area;
+            }
+            let surface = Surface {
+                corners: piece.corners,
+                ..model.surfaces[winner]
+            };
+            if !surface.is_degenerate() {
+                added.push((winner, surface));
+            }
+        }
+        for &k in group {
+            is_cut[k] = true;
+        }
+    }
+    let verb = if cut == Cut::On {
+        "is cut"
+    } else {
+        "would be cut"
+    };
+    let told = taken.iter().map(|([winner, loser], area)| {
+        let [winner, loser] = [winner, loser].map(|&object| &model.objects[object as usize]);
+        format!("\"{winner}\" lies in the plane of \"{loser}\", which {verb} there: {area:.4e} m^2")
+    });
+    let mut told: Vec<String> = told.collect();
+    let touched = (0..contacts.len()).filter(|&k| has_contacts(k) && is_cut[k]);
+    if let Some(first) = touched.clone().next() {
+        let name = |k: usize| &model.objects[model.surfaces[k].object.index()];
+        told.push(format!(
+            "{} faces {} along lines on which others touch or cross them (the first: \"{}\" by \"{}\")",
+            touched.count(),
+            if cut == Cut::On { "are cut" } else { "would be cut" },
+            name(first),
+            name(contacts[first][0].by),
+        ));
+    }
+    if cut == Cut::On {
+        replace(&mut model, &is_cut, added);
+    }
+    Ok(told)
+}
+
+/// Leaves out the surfaces that are cut, and puts what is made of each in its place.
+fn replace(model: &mut Model, is_cut: &[bool], mut added: Vec<(usize, Surface)>) {
+    added.sort_by_key(|(from, surface)| (*from, scene::weld::places(surface.corners)));
+    let mut added = added.into_iter().peekable();
+    let (mut surfaces, mut faces) = (Vec::new(), Vec::new());
+    for (k, (surface, face)) in model.surfaces.iter().zip(model.faces.iter()).enumerate() {
+        if !is_cut[k] {
+            surfaces.push(*surface);
+            faces.push(*face);
+        }
+        while let Some((_, surface)) = added.next_if(|(from, _)| *from == k) {
+            surfaces.push(surface);
+            faces.push(*face);
+        }
+    }
+    *model.surfaces = surfaces;
+    *model.faces = faces;
+}
+
+/// The step between neighbouring f32 at the farthest coordinate, metres.
+fn step_of(surfaces: &[Surface]) -> f64 {
+    let corners = surfaces.iter().flat_map(|surface| surface.corners);
+    let reach = corners.fold(0.0_f32, |reach, p| reach.max(p.abs().max_element()));
+    f64::from(reach.next_up()) - f64::from(reach)
+}

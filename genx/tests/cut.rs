@@ -1,0 +1,244 @@
+//! Laws of planes that are put in order: nothing overlaps, nothing is lost, and the order of the file decides nothing.
+
+use genx::cut::{Cut, Model, put_in_order};
+use glam::{DQuat, DVec3};
+use proptest::prelude::*;
+use scene::weld::{Place, places};
+use scene::{Material, MaterialId, ObjectId, Rgb, Surface};
+
+/// A rectangle of the plane z = 0: from, to.
+type Rectangle = [[f64; 2]; 2];
+
+fn area([[x0, y0], [x1, y1]]: Rectangle) -> f64 {
+    (x1 - x0) * (y1 - y0)
+}
+
+/// A plane with things in it, one object each; `emitting` ones are lamps.
+#[derive(Clone, Debug)]
+struct Plane {
+    rectangles: Vec<Rectangle>,
+    emitting: Vec<bool>,
+    /// From the plane z = 0 to where it is.
+    turn: DQuat,
+    shift: DVec3,
+}
+
+struct Cutted {
+    surfaces: Vec<Surface>,
+    faces: Vec<u32>,
+    told: Vec<String>,
+}
+
+impl Plane {
+    /// Cut, the faces in this order.
+    fn cut(&self, order: &[usize]) -> Cutted {
+        let material = |emission: f32| Material {
+            name: "m".into(),
+            reflectance: Rgb::splat(0.5),
+            emission: Rgb::splat(emission),
+        };
+        let materials = [material(0.0), material(1.0)];
+        let objects: Vec<String> = (0..self.rectangles.len()).map(|k| k.to_string()).collect();
+        let (mut surfaces, mut faces) = (Vec::new(), Vec::new());
+        for &k in order {
+            let [[x0, y0], [x1, y1]] = self.rectangles[k];
+            let at = |x: f64, y: f64| (self.turn * DVec3::new(x, y, 0.0) + self.shift).as_vec3();
+            let [a, b, c, d] = [at(x0, y0), at(x1, y0), at(x1, y1), at(x0, y1)];
+            for corners in [[a, b, c], [a, c, d]] {
+                faces.push(surfaces.len() as u32);
+                surfaces.push(Surface {
+                    corners,
+                    material: MaterialId(u32::from(self.emitting[k])),
+                    object: ObjectId(k as u32),
+                });
+            }
+        }
+        let model = Model {
+            surfaces: &mut surfaces,
+            faces: &mut faces,
+            materials: &materials,
+            objects: &objects,
+        };
+        let told = put_in_order(model, Cut::On).unwrap();
+        Cutted {
+            surfaces,
+            faces,
+            told,
+        }
+    }
+
+    /// What is seen of each rectangle, m^2: cells between all borders belong to the one that stays there.
+    fn visible(&self) -> Vec<f64> {
+        let borders = |axis: usize| {
+            let mut borders: Vec<f64> = self
+                .rectangles
+                .iter()
+                .flat_map(|r| [r[0][axis], r[1][axis]])
+                .collect();
+            borders.sort_by(f64::total_cmp);
+            borders
+        };
+        let (xs, ys) = (borders(0), borders(1));
+        let mut visible = vec![0.0; self.rectangles.len()];
+        for x in xs.windows(2) {
+            for y in ys.windows(2) {
+                let middle = [0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])];
+                let holds =
+                    |r: &Rectangle| (0..2).all(|k| r[0][k] < middle[k] && middle[k] < r[1][k]);
+                let there = (0..self.rectangles.len()).filter(|&k| holds(&self.rectangles[k]));
+                let rank = |k: &usize| (!self.emitting[*k], area(self.rectangles[*k]));
+                let top = there.min_by(|a, b| rank(a).partial_cmp(&rank(b)).unwrap());
+                if let Some(top) = top {
+                    visible[top] += (x[1] - x[0]) * (y[1] - y[0]);
+                }
+            }
+        }
+        visible
+    }
+}
+
+/// What is there, whatever the order.
+fn parts(cut: &Cutted) -> Vec<([Place; 3], u32, u32)> {
+    let part = |s: &Surface| (places(s.corners), s.material.0, s.object.0);
+    let mut parts: Vec<_> = cut.surfaces.iter().map(part).collect();
+    parts.sort_unstable();
+    parts
+}
+
+fn plane() -> impl Strategy<Value = Plane> {
+    // On a grid borders meet; off it they do not.
+    let coordinate =
+        prop_oneof![1 => (0..16_u8).prop_map(|k| f64::from(k) / 4.0), 2 => 0.0..4.0_f64];
+    let side = prop_oneof![1 => (1..8_u8).prop_map(|k| f64::from(k) / 4.0), 2 => 0.05..2.0_f64];
+    let rectangle = (coordinate.clone(), coordinate, side.clone(), side)
+        .prop_map(|(x, y, dx, dy)| [[x, y], [x + dx, y + dy]]);
+    let things = prop::collection::vec((rectangle, prop::bool::weighted(0.3)), 1..6);
+    let axis = prop_oneof![
+        Just(DVec3::Z),
+        Just(DVec3::X),
+        Just(DVec3::new(0.3, 0.5, 0.8))
+    ];
+    (things, axis, -3.0..3.0_f64, -9.0..9.0_f64).prop_map(|(things, axis, angle, shift)| {
+        let (mut rectangles, mut emitting): (Vec<_>, Vec<_>) = things.into_iter().unzip();
+        rectangles.push([[-0.5, -0.5], [6.5, 6.5]]);
+        emitting.push(false);
+        Plane {
+            rectangles,
+            emitting,
+            turn: DQuat::from_axis_angle(axis.normalize(), angle),
+            shift: DVec3::new(shift, 0.5 * shift, 1.0),
+        }
+    })
+}
+
+proptest! {
+    /// Corners are f32 near 10 m: borders move by some steps of 1e-6 m, over some 100 m of borders.
+    #[test]
+    fn each_thing_keeps_what_is_seen_of_it(plane in plane()) {
+        let order: Vec<usize> = (0..plane.rectangles.len()).collect();
+        // Which of two of equal areas stays, their corners decide.
+        let sizes: Vec<f64> = plane.rectangles.iter().map(|&r| area(r)).collect();
+        let differ = |k: usize| sizes[..k].iter().all(|a| (a / sizes[k] - 1.0).abs() > 1e-4);
+        prop_assume!((0..sizes.len()).all(differ));
+        let cut = plane.cut(&order);
+        let mut areas = vec![0.0; plane.rectangles.len()];
+        for surface in &cut.surfaces {
+            areas[surface.object.index()] += surface.area();
+        }
+        for (k, (found, expected)) in areas.iter().zip(plane.visible()).enumerate() {
+            prop_assert!((found - expected).abs() < 1e-3, "{k}: {found}, {expected}: {plane:?}");
+        }
+        prop_assert_eq!(cut.faces.len(), cut.surfaces.len());
+        // In the plane, facing as before.
+        let normal = plane.turn * DVec3::Z;
+        for surface in &cut.surfaces {
+            // A sliver's normal is off by rounding over its height.
+            let height = surface.area() / surface.side_lengths().into_iter().fold(0.0, f64::max);
+            prop_assert!(surface.normal().dot(normal) > 0.99 || height < 1e-4, "{surface:?}");
+        }
+    }
+
+    #[test]
+    fn the_order_of_the_file_decides_nothing(plane in plane(), seed in any::<u64>()) {
+        let order: Vec<usize> = (0..plane.rectangles.len()).collect();
+        let mut other = order.clone();
+        other.rotate_left(seed as usize % order.len());
+        other.reverse();
+        prop_assert_eq!(parts(&plane.cut(&order)), parts(&plane.cut(&other)));
+    }
+
+    #[test]
+    fn what_is_in_order_stays(plane in plane()) {
+        let order: Vec<usize> = (0..plane.rectangles.len()).collect();
+        let mut cut = plane.cut(&order);
+        let before = cut.surfaces.clone();
+        let material = Material { name: "m".into(), reflectance: Rgb::ZERO, emission: Rgb::ZERO };
+        let objects: Vec<String> = order.iter().map(ToString::to_string).collect();
+        let model = Model {
+            surfaces: &mut cut.surfaces,
+            faces: &mut cut.faces,
+            materials: &[material.clone(), material],
+            objects: &objects,
+        };
+        let told = put_in_order(model, Cut::On).unwrap();
+        prop_assert!(told.is_empty(), "{told:?}");
+        prop_assert_eq!(cut.surfaces, before);
+    }
+}
+
+#[test]
+fn each_pair_is_told_once_with_its_area() {
+    let plane = Plane {
+        rectangles: vec![
+            [[0.0, 0.0], [4.0, 4.0]],
+            [[1.0, 1.0], [2.0, 3.0]],
+            [[1.5, 1.0], [2.5, 2.0]],
+        ],
+        emitting: vec![false, false, true],
+        turn: DQuat::IDENTITY,
+        shift: DVec3::ZERO,
+    };
+    let told = plane.cut(&[0, 1, 2]).told;
+    assert_eq!(
+        told,
+        [
+            "\"1\" lies in the plane of \"0\", which is cut there: 1.5000e0 m^2",
+            "\"2\" lies in the plane of \"0\", which is cut there: 1.0000e0 m^2",
+            "\"2\" lies in the plane of \"1\", which is cut there: 5.0000e-1 m^2",
+        ]
+    );
+}
+
+/// A ceiling above its floor, a sheet of two sides, and faces that touch along an edge.
+#[test]
+fn what_does_not_overlap_keeps_its_bits() {
+    let scene = test_scenes_room();
+    let (mut surfaces, mut faces) = (scene.surfaces().to_vec(), scene.faces().to_vec());
+    let sheet: Vec<Surface> = surfaces
+        .iter()
+        .map(|s| {
+            let [a, b, c] = s.corners;
+            Surface {
+                corners: [a, c, b],
+                ..*s
+            }
+        })
+        .collect();
+    surfaces.extend(&sheet);
+    faces.extend(0..sheet.len() as u32);
+    let (before, faces_before) = (surfaces.clone(), faces.clone());
+    let model = Model {
+        surfaces: &mut surfaces,
+        faces: &mut faces,
+        materials: scene.materials(),
+        objects: scene.objects(),
+    };
+    assert!(put_in_order(model, Cut::On).unwrap().is_empty());
+    assert_eq!((surfaces, faces), (before, faces_before));
+}
+
+fn test_scenes_room() -> scene::Scene {
+    genx::make(&genx::Settings::new(genx::Model::Hall))
+        .unwrap()
+        .scene
+}
