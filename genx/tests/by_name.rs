@@ -196,3 +196,34 @@ fn faces_are_turned_and_given_a_second_side_by_name() {
     let message = failure(&folder, &["b.rad", "m.obj", "--flip", "flor"]);
     assert!(message.contains("\"flor\""), "{message}");
 }
+
+#[test]
+fn overlaps_are_cut_told_or_left_as_is_asked_for() {
+    let folder = folder();
+    let obj = "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nv 1 1 0\nv 2 1 0\nv 2 2 0\nv 1 2 0\n\
+        o floor\nf 1 2 3 4\no rug\nf 5 6 7 8\n";
+    std::fs::write(folder.path().join("m.obj"), obj).unwrap();
+    let made = |cut: &str| {
+        let output = make(
+            &folder,
+            &["a.rad", "m.obj", "--max-area", "inf", "--cut", cut],
+        );
+        (load(&folder, "a.rad").area(), stderr(&output))
+    };
+    for (cut, area, told) in [
+        (
+            "on",
+            16.0,
+            "\"rug\" lies in the plane of \"floor\", which is cut there: 1.0000e0 m^2",
+        ),
+        ("report", 17.0, "which would be cut there"),
+        ("off", 17.0, ""),
+    ] {
+        let (found, said) = made(cut);
+        assert!((found - area).abs() < 1e-5, "{cut}: {found}");
+        assert!(
+            said.contains(told) && said.contains("plane") != told.is_empty(),
+            "{said}"
+        );
+    }
+}

@@ -242,3 +242,85 @@ fn test_scenes_room() -> scene::Scene {
         .unwrap()
         .scene
 }
+
+/// A floor of two triangles and a wall across it: pieces lie on one side of the wall or the other, whatever the order.
+#[test]
+fn faces_are_cut_where_others_stand_on_them_or_cross_them() {
+    for depth in [0.0, 0.5] {
+        let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, z).as_vec3();
+        let quad = |[a, b, c, d]: [glam::Vec3; 4], object: u32| {
+            [[a, b, c], [a, c, d]].map(|corners| Surface {
+                corners,
+                material: MaterialId(0),
+                object: ObjectId(object),
+            })
+        };
+        let floor = quad(
+            [
+                at(0.0, 0.0, 0.0),
+                at(4.0, 0.0, 0.0),
+                at(4.0, 3.0, 0.0),
+                at(0.0, 3.0, 0.0),
+            ],
+            0,
+        );
+        let (low, high) = (-depth, 2.0);
+        let wall = quad(
+            [
+                at(1.3, 0.4, low),
+                at(2.9, 2.7, low),
+                at(2.9, 2.7, high),
+                at(1.3, 0.4, high),
+            ],
+            1,
+        );
+        let material = Material {
+            name: "m".into(),
+            reflectance: Rgb::ZERO,
+            emission: Rgb::ZERO,
+        };
+        let mut seen = Vec::new();
+        for order in [[floor, wall].concat(), [wall, floor].concat()] {
+            let (mut surfaces, mut faces) = (order, (0..4).collect());
+            let model = Model {
+                surfaces: &mut surfaces,
+                faces: &mut faces,
+                materials: std::slice::from_ref(&material),
+                objects: &["floor".into(), "wall".into()],
+            };
+            let told = put_in_order(model, Cut::On).unwrap();
+            assert_eq!(told.len(), 1, "{told:?}");
+            let area = |object: u32| -> f64 {
+                let of_object = surfaces.iter().filter(|s| s.object.0 == object);
+                of_object.map(Surface::area).sum()
+            };
+            assert!(
+                (area(0) - 12.0).abs() < 1e-5
+                    && (area(1) - wall[0].area() - wall[1].area()).abs() < 1e-5
+            );
+            // Heights over the wall's line, metres: of a piece that reaches along the wall none lies on both sides.
+            let across = DVec3::new(-2.3, 1.6, 0.0).normalize();
+            let along = DVec3::new(1.6, 2.3, 0.0).normalize();
+            let from = DVec3::new(1.3, 0.4, 0.0);
+            for surface in surfaces.iter().filter(|s| s.object.0 == 0) {
+                let corners = surface.corners.map(|p| p.as_dvec3() - from);
+                let middle = corners.into_iter().sum::<DVec3>() / 3.0;
+                let beside =
+                    (0.1..2.7).contains(&middle.dot(along)) && middle.dot(across).abs() < 0.1;
+                let [low, high] = [f64::min, f64::max].map(|f| {
+                    corners
+                        .map(|p| p.dot(across))
+                        .into_iter()
+                        .reduce(f)
+                        .unwrap()
+                });
+                assert!(!beside || low > -1e-5 || high < 1e-5, "{surface:?}");
+            }
+            let parts = |s: &Surface| (places(s.corners), s.object.0);
+            let mut parts: Vec<_> = surfaces.iter().map(parts).collect();
+            parts.sort_unstable();
+            seen.push(parts);
+        }
+        assert_eq!(seen[0], seen[1]);
+    }
+}
