@@ -115,11 +115,13 @@ pub fn put_in_order(mut model: Model, cut: Cut) -> Result<Vec<String>, TooManyOv
     let mut taken: BTreeMap<[u32; 2], f64> = BTreeMap::new();
     let mut is_cut = vec![false; model.surfaces.len()];
     let mut added: Vec<(usize, Surface)> = Vec::new();
+    let mut left = 0;
     for group in &groups {
         let contacts = group.iter().flat_map(|&k| &contacts[k]);
         let lines: Vec<[DVec3; 2]> = contacts.map(|contact| contact.ends).collect();
         let pixel = PIXEL_STEPS * step;
         let Some(pieces) = arrangement::cut(model.surfaces, group, &lines, pixel, rank) else {
+            left += group.len();
             continue;
         };
         for piece in pieces {
@@ -159,6 +161,11 @@ pub fn put_in_order(mut model: Model, cut: Cut) -> Result<Vec<String>, TooManyOv
             if cut == Cut::On { "are cut" } else { "would be cut" },
             name(first),
             name(contacts[first][0].by),
+        ));
+    }
+    if left > 0 {
+        told.push(format!(
+            "{left} faces that overlap or touch others cannot be cut, and stay as they are"
         ));
     }
     if cut == Cut::On {
