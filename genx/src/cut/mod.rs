@@ -17,7 +17,7 @@
 //! Faces are in one plane if the corners of the smaller are off the plane of the larger by [`PLANE_STEPS`] steps of an f32 at
 //! the farthest coordinate at most, and overlap if they do so by twice that in every direction. All edges of faces that overlap,
 //! directly or by way of others, make one arrangement in the coordinate plane that they face most, snapped to a grid
-//! ([`snap`]); its triangles, by a constrained Delaunay triangulation with exact predicates, are new surfaces. Corners of faces
+//! (`snap.rs`); its triangles, by a constrained Delaunay triangulation with exact predicates, are new surfaces. Corners of faces
 //! keep their coordinates, and all other faces stay bit for bit.
 //!
 //! # Differences
