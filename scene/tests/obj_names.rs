@@ -145,6 +145,17 @@ fn a_file_without_objects_has_its_materials_as_objects() {
     );
 }
 
+/// What comes before the first object is none of those that follow, even where a material has the name of one.
+#[test]
+fn faces_before_the_first_object_are_an_object_of_their_own() {
+    let model = with_mtl(
+        b"newmtl wall\nKd 0.5\n",
+        faces(["usemtl wall", "o wall", "o roof", "o wall"]).as_bytes(),
+    );
+    assert_eq!(model.objects, ["unnamed", "wall", "roof"]);
+    assert_eq!(objects(&model), [0, 1, 2, 1]);
+}
+
 #[test]
 fn objects_in_several_places_are_told() {
     let model = with_mtl(b"", faces(["o a", "o b", "o a", "g a"]).as_bytes());

@@ -72,11 +72,11 @@ pub(super) fn connected_areas(surfaces: &[Surface], tolerance: f64) -> Vec<(i64,
         let sum = sums.entry(sets.root(k)).or_insert((0.0, first));
         sum.0 += surfaces[k].area();
     }
-    let of = |k: usize| {
+    let mut of = |k: usize| {
         let (area, first) = sums[&sets.root(k)];
         ((area.log2() * AREA_STEPS).round() as i64, first)
     };
-    (0..surfaces.len()).map(of).collect()
+    (0..surfaces.len()).map(&mut of).collect()
 }
 
 /// Pairs of faces whose boxes touch. Boxes are swept along the axis along which the model is longest.
@@ -146,8 +146,11 @@ impl Sets {
         Self((0..count).collect())
     }
 
-    fn root(&self, mut k: usize) -> usize {
+    /// The least of the set.
+    fn root(&mut self, mut k: usize) -> usize {
         while self.0[k] != k {
+            // Each step halves the path for those that come after.
+            self.0[k] = self.0[self.0[k]];
             k = self.0[k];
         }
         k
@@ -155,7 +158,6 @@ impl Sets {
 
     fn join(&mut self, a: usize, b: usize) {
         let (a, b) = (self.root(a), self.root(b));
-        // The path stays short where most are joined to what comes first.
         self.0[a.max(b)] = a.min(b);
     }
 }

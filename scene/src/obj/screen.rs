@@ -93,6 +93,7 @@ pub(super) fn screen(bytes: &[u8]) -> Result<Screened, ObjFault> {
     for statement in lines(text).filter_map(Statement::new) {
         match statement.keyword {
             "v" => screener.total_vertices += 1,
+            "o" | "g" => screener.screened.has_objects = true,
             "vn" | "vt" => {
                 let found = numbers(&statement);
                 if found.is_none() {
@@ -138,10 +139,7 @@ pub(super) fn screen(bytes: &[u8]) -> Result<Screened, ObjFault> {
             }
             "vn" => screener.normals += 1,
             "vt" => screener.places += 1,
-            "o" | "g" => {
-                screener.screened.has_objects = true;
-                screener.object = (statement.name().into_owned(), statement.line);
-            }
+            "o" | "g" => screener.object = (statement.name().into_owned(), statement.line),
             "mtllib" if !statement.rest.is_empty() => {
                 screener.screened.libraries.push(statement.rest.to_owned());
             }
