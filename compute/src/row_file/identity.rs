@@ -8,7 +8,7 @@ use twox_hash::XxHash3_64;
 
 /// To be raised by every change of any bit of any row: where hemicubes stand and how they are turned, what their pixels see
 /// and count, lamps' views, how rows are rounded.
-const ROWS_REVISION: u32 = 1;
+const ROWS_REVISION: u32 = 2;
 
 /// Everything that decides rows. Runs of equal identities draw the same rows, bit for bit; reflectances,
 /// solvers, threads and memory are not in it.

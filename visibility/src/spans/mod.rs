@@ -160,6 +160,7 @@ pub(crate) fn draw<S: Simd>(
             spans.cut(edge, window, outset);
         }
         let [depth_i, depth_j, depth_1] = affine(seen.inverse_depth, window);
+        let step = depth_i as f32;
         let mut row = first_row;
         while row < end_row {
             let [firsts, ends] = spans.rows(simd, row, window.width);
@@ -170,6 +171,7 @@ pub(crate) fn draw<S: Simd>(
                 }
                 let j = row + lane;
                 let count = end - first;
+                let anchor = if step < 0.0 { count - 1 } else { 0 };
                 let start = j * stride + first;
                 let padded = start..start + count.next_multiple_of(PADDING);
                 fill(
@@ -177,14 +179,28 @@ pub(crate) fn draw<S: Simd>(
                     &mut inverse_depth[padded.clone()],
                     &mut codes[padded],
                     count,
-                    (depth_i * first as f64 + (depth_j * j as f64 + depth_1)) as f32,
-                    depth_i as f32,
+                    Depths {
+                        base: (depth_i * (first + anchor) as f64 + (depth_j * j as f64 + depth_1))
+                            as f32,
+                        anchor: anchor as f32,
+                        step,
+                    },
                     index as u32,
                 );
             }
             row += lanes;
         }
     }
+}
+
+/// The inverse depths of a span's pixels: base + step (k - anchor). The anchor is the deepest pixel, so that each is right to
+/// some roundings of itself; counted from the nearest, those of a surface that is nearly edge-on would be right to roundings of
+/// that one's, and backs nearer than the fronts in their plane.
+#[derive(Clone, Copy, Debug)]
+struct Depths {
+    base: f32,
+    anchor: f32,
+    step: f32,
 }
 
 /// Draws one span: where it is nearer than what is there, its depth and index replace it.
@@ -194,14 +210,14 @@ fn fill<S: Simd>(
     inverse_depth: &mut [f32],
     codes: &mut [u32],
     count: usize,
-    base: f32,
-    step: f32,
+    depths: Depths,
     index: u32,
 ) {
     let lanes = S::f32s::LEN;
-    let iota = S::f32s::from_fn(simd, |lane| lane as f32);
+    let Depths { base, anchor, step } = depths;
+    let from_anchor = S::f32s::from_fn(simd, |lane| lane as f32 - anchor);
     let (step_v, base_v) = (S::f32s::splat(simd, step), S::f32s::splat(simd, base));
-    let count_v = S::f32s::splat(simd, count as f32);
+    let count_v = S::f32s::splat(simd, count as f32 - anchor);
     let index_v = S::u32s::splat(simd, index);
     let depths = inverse_depth.chunks_exact_mut(lanes);
     let codes = codes.chunks_exact_mut(lanes);
@@ -209,7 +225,7 @@ fn fill<S: Simd>(
         if k * lanes >= count {
             break;
         }
-        let offset = iota + (k * lanes) as f32;
+        let offset = from_anchor + (k * lanes) as f32;
         let depth = base_v + step_v * offset;
         let before = S::f32s::from_slice(simd, old_depth);
         let nearer = depth.simd_gt(before) & offset.simd_lt(count_v);
