@@ -56,7 +56,7 @@ pub enum GenxError {
     FarAway(#[from] FarAway),
     /// More overlaps in one plane than can be put in order.
     #[error(transparent)]
-    TooManyOverlaps(#[from] cut::TooManyOverlaps),
+    TooMuchToCut(#[from] cut::TooMuchToCut),
     /// Something is to change that is not there.
     #[error(transparent)]
     UnknownName(#[from] UnknownName),

@@ -18,6 +18,8 @@ fn area([[x0, y0], [x1, y1]]: Rectangle) -> f64 {
 struct Plane {
     rectangles: Vec<Rectangle>,
     emitting: Vec<bool>,
+    /// Those that face the other way: all but these face up.
+    turned: Vec<bool>,
     /// From the plane z = 0 to where it is.
     turn: DQuat,
     shift: DVec3,
@@ -44,7 +46,10 @@ impl Plane {
             let [[x0, y0], [x1, y1]] = self.rectangles[k];
             let at = |x: f64, y: f64| (self.turn * DVec3::new(x, y, 0.0) + self.shift).as_vec3();
             let [a, b, c, d] = [at(x0, y0), at(x1, y0), at(x1, y1), at(x0, y1)];
-            for corners in [[a, b, c], [a, c, d]] {
+            for mut corners in [[a, b, c], [a, c, d]] {
+                if self.turned[k] {
+                    corners.reverse();
+                }
                 faces.push(surfaces.len() as u32);
                 surfaces.push(Surface {
                     corners,
@@ -67,7 +72,7 @@ impl Plane {
         }
     }
 
-    /// What is seen of each rectangle, m^2: cells between all borders belong to the one that stays there.
+    /// What is seen of each rectangle, m^2: cells between all borders belong to the one of each side that stays there.
     fn visible(&self) -> Vec<f64> {
         let borders = |axis: usize| {
             let mut borders: Vec<f64> = self
@@ -87,14 +92,22 @@ impl Plane {
                     |r: &Rectangle| (0..2).all(|k| r[0][k] < middle[k] && middle[k] < r[1][k]);
                 let there = (0..self.rectangles.len()).filter(|&k| holds(&self.rectangles[k]));
                 let rank = |k: &usize| (!self.emitting[*k], area(self.rectangles[*k]));
-                let top = there.min_by(|a, b| rank(a).partial_cmp(&rank(b)).unwrap());
-                if let Some(top) = top {
-                    visible[top] += (x[1] - x[0]) * (y[1] - y[0]);
+                for is_turned in [false, true] {
+                    let side = there.clone().filter(|&k| self.turned[k] == is_turned);
+                    let top = side.min_by(|a, b| rank(a).partial_cmp(&rank(b)).unwrap());
+                    if let Some(top) = top {
+                        visible[top] += (x[1] - x[0]) * (y[1] - y[0]);
+                    }
                 }
             }
         }
         visible
     }
+}
+
+/// The least height of a triangle, or up to twice that, metres.
+fn height(surface: &Surface) -> f64 {
+    surface.area() / surface.side_lengths().into_iter().fold(0.0, f64::max)
 }
 
 /// What is there, whatever the order.
@@ -112,19 +125,24 @@ fn plane() -> impl Strategy<Value = Plane> {
     let side = prop_oneof![1 => (1..8_u8).prop_map(|k| f64::from(k) / 4.0), 2 => 0.05..2.0_f64];
     let rectangle = (coordinate.clone(), coordinate, side.clone(), side)
         .prop_map(|(x, y, dx, dy)| [[x, y], [x + dx, y + dy]]);
-    let things = prop::collection::vec((rectangle, prop::bool::weighted(0.3)), 1..6);
+    let thing = (
+        rectangle,
+        prop::bool::weighted(0.3),
+        prop::bool::weighted(0.3),
+    );
+    let things = prop::collection::vec(thing, 1..6);
     let axis = prop_oneof![
         Just(DVec3::Z),
         Just(DVec3::X),
         Just(DVec3::new(0.3, 0.5, 0.8))
     ];
     (things, axis, -3.0..3.0_f64, -9.0..9.0_f64).prop_map(|(things, axis, angle, shift)| {
-        let (mut rectangles, mut emitting): (Vec<_>, Vec<_>) = things.into_iter().unzip();
-        rectangles.push([[-0.5, -0.5], [6.5, 6.5]]);
-        emitting.push(false);
+        let whole = ([[-0.5, -0.5], [6.5, 6.5]], false, false);
+        let things: Vec<_> = things.into_iter().chain([whole]).collect();
         Plane {
-            rectangles,
-            emitting,
+            rectangles: things.iter().map(|thing| thing.0).collect(),
+            emitting: things.iter().map(|thing| thing.1).collect(),
+            turned: things.iter().map(|thing| thing.2).collect(),
             turn: DQuat::from_axis_angle(axis.normalize(), angle),
             shift: DVec3::new(shift, 0.5 * shift, 1.0),
         }
@@ -153,8 +171,28 @@ proptest! {
         let normal = plane.turn * DVec3::Z;
         for surface in &cut.surfaces {
             // A sliver's normal is off by rounding over its height.
-            let height = surface.area() / surface.side_lengths().into_iter().fold(0.0, f64::max);
-            prop_assert!(surface.normal().dot(normal) > 0.99 || height < 1e-4, "{surface:?}");
+            let height = height(surface);
+            let side = if plane.turned[surface.object.index()] { -1.0 } else { 1.0 };
+            let cosine = side * surface.normal().dot(normal);
+            prop_assert!(cosine > 0.99 || height < 1e-4, "{surface:?}");
+        }
+    }
+
+    /// What lies on both sides of the plane has the same three corners on both.
+    #[test]
+    fn sides_are_cut_alike(plane in plane()) {
+        let order: Vec<usize> = (0..plane.rectangles.len()).collect();
+        let cut = plane.cut(&order);
+        let is_turned = |s: &&Surface| plane.turned[s.object.index()];
+        let mirrored = |s: &Surface| {
+            let [a, b, c] = s.corners;
+            places([a, c, b])
+        };
+        let (backs, fronts): (Vec<&Surface>, Vec<&Surface>) = cut.surfaces.iter().partition(is_turned);
+        let fronts: std::collections::HashSet<_> = fronts.iter().map(|s| places(s.corners)).collect();
+        // The whole plane has a front, but for slivers between an edge and its path of grid points.
+        for back in backs.into_iter().filter(|back| height(back) > 1e-5) {
+            prop_assert!(fronts.contains(&mirrored(back)), "{back:?}");
         }
     }
 
@@ -195,6 +233,7 @@ fn each_pair_is_told_once_with_its_area() {
             [[1.5, 1.0], [2.5, 2.0]],
         ],
         emitting: vec![false, false, true],
+        turned: vec![false; 3],
         turn: DQuat::IDENTITY,
         shift: DVec3::ZERO,
     };

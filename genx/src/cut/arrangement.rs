@@ -3,20 +3,25 @@
 use std::collections::HashMap;
 
 use glam::{DVec2, DVec3, Vec3};
+use rstar::RTree;
+use rstar::primitives::{GeomWithData, Rectangle};
 use scene::Surface;
 use scene::planar::{facing_axes, turn};
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
 use super::snap::{self, Point};
 
-/// A triangle of the arrangement that some face covers.
+/// A triangle of the arrangement that some face covers, seen from one side.
 pub(super) struct Piece {
     pub corners: [Vec3; 3],
     /// m^2.
     pub area: f64,
-    /// The faces that cover it, the one that stays first.
+    /// The faces of this side that cover it, the one that stays first.
     pub members: Vec<usize>,
 }
+
+/// More segments of one plane cross than can be put in order.
+pub(super) struct TooManyCrossings;
 
 /// Where the grid of an arrangement lies.
 struct Grid {
@@ -45,68 +50,99 @@ impl Grid {
     }
 }
 
-/// The pieces of faces of one plane, cut along `lines` in it too, on a grid of pixels of that side, metres; `None` where they have none. The faces come in
-/// an order that their corners decide; `rank` says which of them stays.
+/// The pieces of faces of one plane, of both its sides, cut along `lines` in it too, on a grid of pixels of that side, metres;
+/// `None` where they have none. The faces come in an order that their corners decide; `rank` says which of those that face the
+/// same way stays.
 pub(super) fn cut<R: Ord>(
     surfaces: &[Surface],
     group: &[usize],
     lines: &[[DVec3; 2]],
     pixel: f64,
     rank: impl Fn(usize) -> R,
-) -> Option<Vec<Piece>> {
-    let double_area = |&k: &usize| surfaces[k].area() * surfaces[k].normal();
-    let normal = group
-        .iter()
-        .map(double_area)
-        .sum::<DVec3>()
-        .try_normalize()?;
+) -> Result<Option<Vec<Piece>>, TooManyCrossings> {
+    let front = surfaces[group[0]].normal();
+    let is_front = |k: usize| surfaces[k].normal().dot(front) > 0.0;
+    let double_area = |&k: &usize| {
+        let normal = surfaces[k].normal();
+        surfaces[k].area() * if is_front(k) { normal } else { -normal }
+    };
+    let Some(normal) = group.iter().map(double_area).sum::<DVec3>().try_normalize() else {
+        return Ok(None);
+    };
     let grid = Grid {
         axes: facing_axes(normal),
         pixel,
     };
-    // The corner that a point of the grid is: that of the face that comes first.
+    // The corner that a point of the grid is, the same for both sides: that of the face that comes first.
     let mut corners: HashMap<Point, Vec3> = HashMap::new();
-    let mut segments = Vec::with_capacity(3 * group.len());
+    let mut segments = Vec::with_capacity(3 * group.len() + lines.len());
     let mut outlines = Vec::with_capacity(group.len());
     for &k in group {
         let face = surfaces[k].corners;
-        let points = face.map(|p| grid.point(p.as_dvec3()));
+        let mut points = face.map(|p| grid.point(p.as_dvec3()));
         for (point, corner) in points.into_iter().zip(face) {
             corners.entry(point).or_insert(corner);
         }
         segments.extend([[0, 1], [1, 2], [2, 0]].map(|side| side.map(|n: usize| points[n])));
+        if !is_front(k) {
+            points.reverse();
+        }
         outlines.push(points.map(flat));
     }
     segments.extend(lines.iter().map(|ends| ends.map(|p| grid.point(p))));
-    let plane = triangulation(&snap::paths(&segments))?;
+    for segment in &mut segments {
+        segment.sort_unstable();
+    }
+    segments.sort_unstable();
+    segments.dedup();
+    let paths = snap::paths(&segments).ok_or(TooManyCrossings)?;
+    let Some(plane) = triangulation(&paths) else {
+        return Ok(None);
+    };
+    let boxes = outlines.iter().enumerate().map(|(n, outline)| {
+        let low = outline[0].min(outline[1]).min(outline[2]);
+        let high = outline[0].max(outline[1]).max(outline[2]);
+        GeomWithData::new(Rectangle::from_corners(low.into(), high.into()), n)
+    });
+    let boxes: RTree<GeomWithData<Rectangle<[f64; 2]>, usize>> = RTree::bulk_load(boxes.collect());
     let mut ranked: Vec<usize> = (0..group.len()).collect();
     ranked.sort_by_key(|&n| rank(group[n]));
+    let mut places = vec![0; group.len()];
+    for (place, &n) in ranked.iter().enumerate() {
+        places[n] = place;
+    }
     let mut pieces = Vec::new();
     for face in plane.inner_faces() {
         let points = face.positions().map(|p| [p.x as i64, p.y as i64]);
         let [a, b, c] = points.map(flat);
         let middle = (a + b + c) / 3.0;
-        let members: Vec<usize> = ranked
-            .iter()
-            .map(|&n| (n, group[n]))
-            .filter(|&(n, _)| holds(&outlines[n], middle))
-            .map(|(_, k)| k)
-            .collect();
-        let Some(&winner) = members.first() else {
+        let there = boxes.locate_all_at_point(middle.into()).map(|of| of.data);
+        let mut members: Vec<usize> = there.filter(|&n| holds(&outlines[n], middle)).collect();
+        members.sort_by_key(|&n| places[n]);
+        let Some(&first) = members.first() else {
             continue;
         };
-        let lift = |point: Point| {
-            let corner = corners.get(&point).copied();
-            corner.unwrap_or_else(|| grid.lift(point, &surfaces[winner].corners))
-        };
-        let [u, v] = grid.axes;
-        pieces.push(Piece {
-            corners: points.map(lift),
-            area: 0.5 * turn(a, b, c) * pixel * pixel / normal[3 - u - v].abs(),
-            members,
+        let face = &surfaces[group[first]].corners;
+        let corners = points.map(|point| {
+            let corner = corners.entry(point);
+            *corner.or_insert_with(|| grid.lift(point, face))
         });
+        let [u, v] = grid.axes;
+        let area = 0.5 * turn(a, b, c) * pixel * pixel / normal[3 - u - v].abs();
+        let members = members.into_iter().map(|n| group[n]);
+        let (fronts, backs): (Vec<usize>, Vec<usize>) = members.partition(|&k| is_front(k));
+        let [a, b, c] = corners;
+        for (corners, members) in [([a, b, c], fronts), ([a, c, b], backs)] {
+            if !members.is_empty() {
+                pieces.push(Piece {
+                    corners,
+                    area,
+                    members,
+                });
+            }
+        }
     }
-    Some(pieces)
+    Ok(Some(pieces))
 }
 
 /// The Delaunay triangulation of paths that meet at grid points alone; `None` where that is not so.

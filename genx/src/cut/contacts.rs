@@ -9,26 +9,36 @@ pub(super) struct Contact {
     /// Metres.
     pub ends: [DVec3; 2],
     /// The other face.
-    pub by: usize,
+    pub by: u32,
 }
 
-/// The contacts of each face, by pairs of faces that are near each other; those along a face's own border are none.
+/// The most contacts of a model: 256 MiB.
+pub(super) const MOST_CONTACTS: usize = 1 << 22;
+
+/// The contacts of each face, by pairs of faces that are near each other; those along a face's own border are none. An error of
+/// one pair where there are more than [`MOST_CONTACTS`].
 pub(super) fn contacts(
     surfaces: &[Surface],
-    pairs: &[[usize; 2]],
+    pairs: &[[u32; 2]],
     tolerance: f64,
-) -> Vec<Vec<Contact>> {
+) -> Result<Vec<Vec<Contact>>, [u32; 2]> {
     let mut contacts = vec![Vec::new(); surfaces.len()];
+    let mut count = 0;
     for &[a, b] in pairs {
-        for (face, by) in [(a, b), (b, a)] {
-            if let Some(ends) = in_plane_of(&surfaces[face], &surfaces[by], tolerance)
-                && enters(&surfaces[face], ends, 2.0 * tolerance)
+        for (of, by) in [(a, b), (b, a)] {
+            let [face, other] = [of, by].map(|k| &surfaces[k as usize]);
+            if let Some(ends) = in_plane_of(face, other, tolerance)
+                && enters(face, ends, 2.0 * tolerance)
             {
-                contacts[face].push(Contact { ends, by });
+                contacts[of as usize].push(Contact { ends, by });
+                count += 1;
+                if count > MOST_CONTACTS {
+                    return Err([a, b]);
+                }
             }
         }
     }
-    contacts
+    Ok(contacts)
 }
 
 /// The part of another triangle in the plane of one, if that is a segment.

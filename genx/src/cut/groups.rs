@@ -3,27 +3,37 @@
 use std::collections::HashMap;
 
 use glam::Vec3;
+use rstar::primitives::{GeomWithData, Rectangle};
+use rstar::{AABB, RTree};
 use scene::Surface;
 use scene::weld::{Place, places};
 
-/// Cosine of the angle between normals up to which small faces in one plane face the same way.
+/// Cosine of the angle between normals up to which small faces in one plane face the same way; its negative, for opposite ways.
 const SAME_WAY: f64 = 0.9;
+
+/// The most pairs of faces whose boxes touch: 512 MiB. Each of a closed body's faces touches a dozen others.
+pub(super) const MOST_PAIRS: usize = 1 << 26;
 
 /// Areas are told apart to this power of two, relative: sums in another order are the same.
 const AREA_STEPS: f64 = (1 << 20) as f64;
 
-/// Faces that are cut together: those that overlap in one plane, directly or by way of others, and each that `is_cut` for
-/// another reason. Their indices come by their corners' places, so that the order of the file decides nothing.
+/// Faces that are cut together: those that overlap in one plane, on either side of it, directly or by way of others, and each
+/// that `is_cut` for another reason. The two sides of a sheet, triangle by triangle the same, are no reason to cut them.
+/// Their indices come by their corners' places, so that the order of the file decides nothing.
 pub(super) fn groups(
     surfaces: &[Surface],
-    pairs: &[[usize; 2]],
+    pairs: &[[u32; 2]],
     tolerance: f64,
     is_cut: impl Fn(usize) -> bool,
 ) -> Vec<Vec<usize>> {
     let mut sets = Sets::new(surfaces.len());
-    for &[a, b] in pairs {
+    let mut is_cut: Vec<bool> = (0..surfaces.len()).map(is_cut).collect();
+    for pair in pairs {
+        let [a, b] = pair.map(|k| k as usize);
         if overlap(&surfaces[a], &surfaces[b], tolerance) {
             sets.join(a, b);
+            let [p, q, r] = surfaces[b].corners;
+            is_cut[a] |= places(surfaces[a].corners) != places([p, r, q]);
         }
     }
     let mut groups: HashMap<usize, Vec<usize>> = HashMap::new();
@@ -32,7 +42,7 @@ pub(super) fn groups(
     }
     let mut groups: Vec<Vec<usize>> = groups
         .into_values()
-        .filter(|group| group.len() > 1 || is_cut(group[0]))
+        .filter(|group| group.iter().any(|&k| is_cut[k]))
         .collect();
     let key = |k: &usize| places(surfaces[*k].corners);
     for group in &mut groups {
@@ -58,7 +68,7 @@ pub(super) fn connected_areas(surfaces: &[Surface], tolerance: f64) -> Vec<(i64,
     for at_edge in at_edge.values() {
         for (n, &a) in at_edge.iter().enumerate() {
             for &b in &at_edge[n + 1..] {
-                if is_in_plane(&surfaces[a], &surfaces[b], tolerance) {
+                if in_plane(&surfaces[a], &surfaces[b], tolerance) == 1 {
                     sets.join(a, b);
                 }
             }
@@ -79,51 +89,52 @@ pub(super) fn connected_areas(surfaces: &[Surface], tolerance: f64) -> Vec<(i64,
     (0..surfaces.len()).map(&mut of).collect()
 }
 
-/// Pairs of faces whose boxes touch. Boxes are swept along the axis along which the model is longest.
-pub(super) fn near_pairs(surfaces: &[Surface], tolerance: f64) -> Vec<[usize; 2]> {
-    let boxes: Vec<[Vec3; 2]> = surfaces
-        .iter()
-        .map(|surface| {
-            let [a, b, c] = surface.corners;
-            let by = Vec3::splat(tolerance as f32);
-            [a.min(b).min(c) - by, a.max(b).max(c) + by]
-        })
-        .collect();
-    let low = boxes.iter().fold(Vec3::INFINITY, |low, b| low.min(b[0]));
-    let high = boxes
-        .iter()
-        .fold(Vec3::NEG_INFINITY, |high, b| high.max(b[1]));
-    let axis = (high - low).max_position();
-    let mut order: Vec<usize> = (0..surfaces.len()).collect();
-    order.sort_by(|&a, &b| boxes[a][0][axis].total_cmp(&boxes[b][0][axis]));
-    let mut active: Vec<usize> = Vec::new();
+/// Pairs of faces whose boxes touch, the one that comes first in the file first; an error of one of them where there are more
+/// than [`MOST_PAIRS`].
+pub(super) fn near_pairs(surfaces: &[Surface], tolerance: f64) -> Result<Vec<[u32; 2]>, [u32; 2]> {
+    let by = Vec3::splat(tolerance as f32);
+    let boxes = surfaces.iter().enumerate().map(|(k, surface)| {
+        let [a, b, c] = surface.corners;
+        let low = a.min(b).min(c) - by;
+        let high = a.max(b).max(c) + by;
+        GeomWithData::new(Rectangle::from_corners(low.into(), high.into()), k as u32)
+    });
+    let boxes: Vec<GeomWithData<Rectangle<[f32; 3]>, u32>> = boxes.collect();
+    let tree = RTree::bulk_load(boxes.clone());
     let mut pairs = Vec::new();
-    for k in order {
-        let [low, high] = boxes[k];
-        active.retain(|&other| boxes[other][1][axis] >= low[axis]);
-        for &other in &active {
-            let [other_low, other_high] = boxes[other];
-            if low.cmple(other_high).all() && other_low.cmple(high).all() {
-                pairs.push([other, k]);
-            }
+    for one in &boxes {
+        let envelope = AABB::from_corners(one.geom().lower(), one.geom().upper());
+        let near = tree.locate_in_envelope_intersecting(envelope);
+        let later = near
+            .map(|other| other.data)
+            .filter(|&other| other > one.data);
+        pairs.extend(later.map(|other| [one.data, other]));
+        if pairs.len() > MOST_PAIRS {
+            return Err(pairs[MOST_PAIRS]);
         }
-        active.push(k);
     }
-    pairs
+    Ok(pairs)
 }
 
-/// True where both face the same way, and the corners of the smaller one, whose own plane is less certain, lie in the
-/// plane of the larger.
-fn is_in_plane(a: &Surface, b: &Surface, tolerance: f64) -> bool {
+/// How two faces face each other if they are in one plane, that is if the corners of the smaller one, whose own plane is less
+/// certain, lie in the plane of the larger: 1 the same way, -1 opposite ways; 0 if they are not.
+fn in_plane(a: &Surface, b: &Surface, tolerance: f64) -> i32 {
     let (large, small) = if a.area() >= b.area() { (a, b) } else { (b, a) };
     let (origin, normal) = (large.corners[0].as_dvec3(), large.normal());
     let height = |p: &Vec3| (p.as_dvec3() - origin).dot(normal).abs();
-    normal.dot(small.normal()) > SAME_WAY && small.corners.iter().all(|p| height(p) <= tolerance)
+    let cosine = normal.dot(small.normal());
+    let is_in_plane =
+        cosine.abs() > SAME_WAY && small.corners.iter().all(|p| height(p) <= tolerance);
+    if is_in_plane {
+        cosine.signum() as i32
+    } else {
+        0
+    }
 }
 
 /// True where two faces are in one plane and no line along a side parts them, but for twice the tolerance.
 fn overlap(a: &Surface, b: &Surface, tolerance: f64) -> bool {
-    if !is_in_plane(a, b, tolerance) {
+    if in_plane(a, b, tolerance) == 0 {
         return false;
     }
     let parts = |of: &Surface, other: &Surface| {

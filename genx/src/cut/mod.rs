@@ -20,9 +20,8 @@
 //! (`snap.rs`); its triangles, by a constrained Delaunay triangulation with exact predicates, are new surfaces. Corners of faces
 //! keep their coordinates, and all other faces stay bit for bit.
 //!
-//! # Differences
-//! Faces of the two sides of one plane do not cut each other. What lies inside of a solid, such as the floor below a box, is cut
-//! and stays.
+//! Faces of the two sides of a plane, those of a sheet or the foot of a column and its floor, are cut alike and all stay: their
+//! corners are the same, so that neither is before the other, and from either side one sees the front that looks there.
 
 mod arrangement;
 mod contacts;
@@ -31,17 +30,17 @@ mod snap;
 
 use std::collections::BTreeMap;
 
+use contacts::MOST_CONTACTS;
 use glam::DVec3;
+use groups::MOST_PAIRS;
 use scene::{Material, Surface};
+use snap::MOST_CROSSINGS;
 
 /// How far off a plane what lies in it may be, in steps of an f32 at the farthest coordinate of the model.
 pub const PLANE_STEPS: f64 = 8.0;
 
 /// The side of a pixel of the grid on which edges meet, in the same steps: corners that are nearer are one.
 const PIXEL_STEPS: f64 = 2.0;
-
-/// The most faces of one arrangement: their number times that of its triangles is work.
-const MOST_FACES: usize = 4096;
 
 /// What is done where faces overlap in one plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -55,14 +54,15 @@ pub enum Cut {
     Report,
 }
 
-/// More faces of one plane overlap than can be put in order.
+/// More of a model overlaps, touches or crosses than can be put in order.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "{faces} faces and contacts of others in one plane are to be cut, the first of object \"{object}\"; the limit is {MOST_FACES}: clean the model, or give --cut off"
+    "more than {limit} {what}, some of them of object \"{}\" and object \"{}\": clean the model, or give --cut off", objects[0], objects[1]
 )]
-pub struct TooManyOverlaps {
-    faces: usize,
-    object: String,
+pub struct TooMuchToCut {
+    what: &'static str,
+    limit: usize,
+    objects: [String; 2],
 }
 
 /// The parts of a model that are put in order.
@@ -83,25 +83,28 @@ type Rank = (bool, i64, [scene::weld::Place; 3]);
 /// Cuts overlapping faces of one plane, as `cut` says, and tells of them, a line for each pair of objects.
 ///
 /// # Errors
-/// More faces that overlap than can be put in order; then nothing is changed.
-pub fn put_in_order(mut model: Model, cut: Cut) -> Result<Vec<String>, TooManyOverlaps> {
+/// More that overlaps, touches or crosses than can be put in order; then nothing is changed.
+pub fn put_in_order(mut model: Model, cut: Cut) -> Result<Vec<String>, TooMuchToCut> {
     if cut == Cut::Off {
         return Ok(Vec::new());
     }
+    let too_much = |what, limit, faces: [u32; 2]| TooMuchToCut {
+        what,
+        limit,
+        objects: faces.map(|k| {
+            let object = model.surfaces[k as usize].object;
+            model.objects[object.index()].clone()
+        }),
+    };
     let step = step_of(model.surfaces);
     let tolerance = PLANE_STEPS * step;
-    let pairs = groups::near_pairs(model.surfaces, tolerance);
-    let contacts = contacts::contacts(model.surfaces, &pairs, tolerance);
+    let pairs = groups::near_pairs(model.surfaces, tolerance)
+        .map_err(|faces| too_much("pairs of faces are near each other", MOST_PAIRS, faces))?;
+    let contacts = contacts::contacts(model.surfaces, &pairs, tolerance)
+        .map_err(|faces| too_much("faces touch or cross others", MOST_CONTACTS, faces))?;
     let has_contacts = |k: usize| !contacts[k].is_empty();
     let groups = groups::groups(model.surfaces, &pairs, tolerance, has_contacts);
-    let edges = |group: &[usize]| group.iter().map(|&k| 1 + contacts[k].len()).sum::<usize>();
-    if let Some(group) = groups.iter().find(|group| edges(group) > MOST_FACES) {
-        let object = model.surfaces[group[0]].object.index();
-        return Err(TooManyOverlaps {
-            faces: edges(group),
-            object: model.objects[object].clone(),
-        });
-    }
+    drop(pairs);
     if groups.is_empty() {
         return Ok(Vec::new());
     }
@@ -118,9 +121,18 @@ pub fn put_in_order(mut model: Model, cut: Cut) -> Result<Vec<String>, TooManyOv
     let mut left = 0;
     for group in &groups {
         let contacts = group.iter().flat_map(|&k| &contacts[k]);
-        let lines: Vec<[DVec3; 2]> = contacts.map(|contact| contact.ends).collect();
+        let lines: Vec<[DVec3; 2]> = contacts.clone().map(|contact| contact.ends).collect();
         let pixel = PIXEL_STEPS * step;
-        let Some(pieces) = arrangement::cut(model.surfaces, group, &lines, pixel, rank) else {
+        let pieces =
+            arrangement::cut(model.surfaces, group, &lines, pixel, rank).map_err(|_| {
+                let by = contacts
+                    .clone()
+                    .next()
+                    .map_or(group[group.len() - 1] as u32, |c| c.by);
+                let faces = [group[0] as u32, by];
+                too_much("edges cross in one plane", MOST_CROSSINGS, faces)
+            })?;
+        let Some(pieces) = pieces else {
             left += group.len();
             continue;
         };
@@ -160,7 +172,7 @@ pub fn put_in_order(mut model: Model, cut: Cut) -> Result<Vec<String>, TooManyOv
             touched.count(),
             if cut == Cut::On { "are cut" } else { "would be cut" },
             name(first),
-            name(contacts[first][0].by),
+            name(contacts[first][0].by as usize),
         ));
     }
     if left > 0 {
