@@ -363,3 +363,36 @@ fn faces_are_cut_where_others_stand_on_them_or_cross_them() {
         assert_eq!(seen[0], seen[1]);
     }
 }
+
+/// 3,000 rectangles about one axis, each of which crosses all others.
+#[test]
+fn what_explodes_is_an_error_and_changes_nothing() {
+    let mut surfaces = Vec::new();
+    for k in 0..3000_u32 {
+        let (sin, cos) = (std::f64::consts::PI * f64::from(k) / 3000.0).sin_cos();
+        let at = |along: f64, z: f64| DVec3::new(along * cos, along * sin, z).as_vec3();
+        let [a, b, c, d] = [at(-1.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(-1.0, 1.0)];
+        surfaces.extend([[a, b, c], [a, c, d]].map(|corners| Surface {
+            corners,
+            material: MaterialId(0),
+            object: ObjectId(k % 2),
+        }));
+    }
+    let before = surfaces.clone();
+    let model = Model {
+        surfaces: &mut surfaces,
+        faces: &mut (0..6000).collect(),
+        materials: &[Material {
+            name: "m".into(),
+            reflectance: Rgb::ZERO,
+            emission: Rgb::ZERO,
+        }],
+        objects: &["left".into(), "right".into()],
+    };
+    let error = put_in_order(model, Cut::On).unwrap_err().to_string();
+    assert!(
+        error.contains("\"right\"") && error.contains("--cut off"),
+        "{error}"
+    );
+    assert_eq!(surfaces, before);
+}

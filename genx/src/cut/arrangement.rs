@@ -147,24 +147,29 @@ pub(super) fn cut<R: Ord>(
 
 /// The Delaunay triangulation of paths that meet at grid points alone; `None` where that is not so.
 fn triangulation(paths: &[Vec<Point>]) -> Option<ConstrainedDelaunayTriangulation<Point2<f64>>> {
-    let mut plane = ConstrainedDelaunayTriangulation::new();
-    for path in paths {
-        let mut handles = Vec::with_capacity(path.len());
-        for point in path {
-            let DVec2 { x, y } = flat(*point);
-            handles.push(plane.insert(Point2::new(x, y)).ok()?);
-        }
-        for pair in handles.windows(2) {
-            if pair[0] == pair[1] {
-                continue;
-            }
-            if !plane.can_add_constraint(pair[0], pair[1]) {
-                return None;
-            }
-            plane.add_constraint(pair[0], pair[1]);
-        }
+    let mut points: Vec<Point> = paths.iter().flatten().copied().collect();
+    points.sort_unstable();
+    points.dedup();
+    let index = |point: &Point| points.binary_search(point).unwrap_or(0);
+    let steps = paths.iter().flat_map(|path| path.windows(2));
+    let mut edges: Vec<[usize; 2]> = steps
+        .map(|ends| [index(&ends[0]), index(&ends[1])])
+        .collect();
+    for edge in &mut edges {
+        edge.sort_unstable();
     }
-    Some(plane)
+    edges.sort_unstable();
+    edges.dedup();
+    let position = |&point: &Point| {
+        let DVec2 { x, y } = flat(point);
+        Point2::new(x, y)
+    };
+    let positions = points.iter().map(position).collect();
+    let mut is_crossed = false;
+    let plane = ConstrainedDelaunayTriangulation::try_bulk_load_cdt(positions, edges, |_| {
+        is_crossed = true
+    });
+    plane.ok().filter(|_| !is_crossed)
 }
 
 fn flat(point: Point) -> DVec2 {

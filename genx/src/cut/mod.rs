@@ -42,6 +42,9 @@ pub const PLANE_STEPS: f64 = 8.0;
 /// The side of a pixel of the grid on which edges meet, in the same steps: corners that are nearer are one.
 const PIXEL_STEPS: f64 = 2.0;
 
+/// The most triangles that all faces are cut into.
+const MOST_TRIANGLES: usize = 1 << 22;
+
 /// What is done where faces overlap in one plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Cut {
@@ -123,19 +126,19 @@ pub fn put_in_order(mut model: Model, cut: Cut) -> Result<Vec<String>, TooMuchTo
         let contacts = group.iter().flat_map(|&k| &contacts[k]);
         let lines: Vec<[DVec3; 2]> = contacts.clone().map(|contact| contact.ends).collect();
         let pixel = PIXEL_STEPS * step;
-        let pieces =
-            arrangement::cut(model.surfaces, group, &lines, pixel, rank).map_err(|_| {
-                let by = contacts
-                    .clone()
-                    .next()
-                    .map_or(group[group.len() - 1] as u32, |c| c.by);
-                let faces = [group[0] as u32, by];
-                too_much("edges cross in one plane", MOST_CROSSINGS, faces)
-            })?;
+        let mut others = contacts.map(|contact| contact.by);
+        let other = others.next().unwrap_or(group[group.len() - 1] as u32);
+        let faces = [group[0] as u32, other];
+        let pieces = arrangement::cut(model.surfaces, group, &lines, pixel, rank)
+            .map_err(|_| too_much("edges cross in one plane", MOST_CROSSINGS, faces))?;
         let Some(pieces) = pieces else {
             left += group.len();
             continue;
         };
+        if added.len() + pieces.len() > MOST_TRIANGLES {
+            let what = "triangles come of faces that others touch or cross";
+            return Err(too_much(what, MOST_TRIANGLES, faces));
+        }
         for piece in pieces {
             let winner = piece.members[0];
             for &loser in &piece.members[1..] {
