@@ -391,7 +391,7 @@ fn what_explodes_is_an_error_and_changes_nothing() {
     };
     let error = put_in_order(model, Cut::On).unwrap_err().to_string();
     assert!(
-        error.contains("\"right\"") && error.contains("--cut off"),
+        error.contains("of object \"") && error.contains("--cut off"),
         "{error}"
     );
     assert_eq!(surfaces, before);

@@ -167,7 +167,7 @@ fn triangulation(paths: &[Vec<Point>]) -> Option<ConstrainedDelaunayTriangulatio
     let positions = points.iter().map(position).collect();
     let mut is_crossed = false;
     let plane = ConstrainedDelaunayTriangulation::try_bulk_load_cdt(positions, edges, |_| {
-        is_crossed = true
+        is_crossed = true;
     });
     plane.ok().filter(|_| !is_crossed)
 }

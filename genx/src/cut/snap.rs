@@ -124,7 +124,7 @@ fn passes([a, b]: [Point; 2], pixel: Point) -> bool {
     // In half pixels.
     let twice = |p: Point| p.map(|x| 2 * i128::from(x));
     let (a, b, pixel) = (twice(a), twice(b), twice(pixel));
-    let is_beside = |k: usize| a[k].max(b[k]) < pixel[k] - 1 || a[k].min(b[k]) >= pixel[k] + 1;
+    let is_beside = |k: usize| a[k].max(b[k]) < pixel[k] - 1 || a[k].min(b[k]) > pixel[k];
     if is_beside(0) || is_beside(1) {
         return false;
     }
