@@ -12,6 +12,10 @@
 //! root mean square over the patches, by area, is the aggregated reciprocity error. Errors that both
 //! sides share, as in a symmetric scene, do not show.
 //!
+//! What sees backs for the most part and stays dark lies inside of a solid: the floor below a box sees nothing else, that below
+//! a column the ceiling above it too; what of a box is sunk in the floor sees that floor's back, and out. It has no part in
+//! means and errors.
+//!
 //! The backs of surfaces are black. A patch that sees one loses power to a leak or to wrong winding.
 //! Patches that no other patch sees, but by chance (the floor below a box, the bottom of the box) have no part in
 //! the exchange, whatever they see; they are left out of the shares of openings and of back faces.
@@ -22,7 +26,7 @@
 
 mod culprit;
 
-use scene::{PatchId, Scene};
+use scene::{PatchId, Scene, Solution};
 use serde::Serialize;
 
 use crate::row_cache::RowCache;
@@ -34,7 +38,7 @@ use culprit::{Loss, culprit};
 /// do when holes take less than this share of its walls, and what is left open on purpose is larger.
 pub const LOOKS_CLOSED: f64 = 0.02;
 
-/// The most that the patches of a scene that looks closed may see of openings, dimensionless. Walls
+/// The most that the patches of a scene that looks closed may see of openings, dimensionless, and of backs before it is told. Walls
 /// that share corners leak nothing at all; this leaves room for a few pixels between walls that meet
 /// within rounding only.
 pub const OPEN_SHARE_TOLERANCE: f64 = 1e-6;
@@ -52,6 +56,9 @@ pub const IMBALANCE_TOLERANCE: f64 = 0.01;
 /// A patch of which others see less than this share of what it sees itself is seen by chance: by rays that
 /// meet a common edge of what hides it, which belongs to all that share it.
 const SEEN_BY_CHANCE: f64 = 1e-3;
+
+/// Relative residual from which on what is dark stays dark.
+const NEAR_ITS_END: f64 = 0.01;
 
 /// The most by which a patch's form factors and what it sees of openings and backs may miss 1, together,
 /// dimensionless. They are integers that do not miss it at all; this leaves room for rounding them a
@@ -71,7 +78,10 @@ pub struct Certificate {
     pub rows_drawn: u32,
     /// Patches that no other patch sees, of those that light can reach; null unless all rows of these were drawn.
     pub hidden_patches: Option<u32>,
-    /// Mean share of a hemisphere that sees nothing, by area, of the patches that are not hidden; null
+    /// Patches that lie inside of solids or behind walls: most of what they see is backs and openings, and they neither emit
+    /// nor are lit; null as above, and before the solution is near its end.
+    pub inside_patches: Option<u32>,
+    /// Mean share of a hemisphere that sees nothing, by area, of the patches that are neither hidden nor inside of solids; null
     /// where no row was drawn.
     pub open_share: Option<f64>,
     /// The same of back faces.
@@ -123,8 +133,41 @@ pub struct Finding {
     pub worst_share: f64,
 }
 
-/// What the rows drawn so far certify, together with the solution's `imbalance` and last `residual`.
-pub fn certify(rows: &RowCache, imbalance: Option<f64>, residual: Option<f64>) -> Certificate {
+/// The patches that lie inside of solids or behind walls: most of what they see is backs and openings, and they neither emit
+/// nor are lit, but by chance.
+/// `None` unless all rows of lit patches were drawn and the solution is near its end.
+pub fn inside(rows: &RowCache, solution: &Solution) -> Option<Vec<PatchId>> {
+    let scene = rows.sources().patches();
+    let all_drawn = rows.unseen().iter().flatten().count() as u32 == rows.lit_count();
+    let residual = solution.provenance.residuals.last();
+    if !all_drawn || residual.is_none_or(|&residual| residual > NEAR_ITS_END) {
+        return None;
+    }
+    let irradiance = |j: usize| f64::from(solution.irradiance[j].element_sum());
+    let areas = scene.patch_areas();
+    let received: f64 = (0..areas.len()).map(|j| areas[j] * irradiance(j)).sum();
+    let by_chance = SEEN_BY_CHANCE * received / areas.iter().sum::<f64>();
+    let emissions = scene.patch_emissions();
+    let is_inside = |&j: &usize| {
+        let sees_backs = rows.unseen()[j].is_some_and(|unseen| {
+            let [backs, open] = [unseen.back_face, unseen.open].map(f64::from);
+            let most = 0.5 * f64::from(UNITS_PER_ONE);
+            backs > SEEN_BY_CHANCE * most && backs + open > most
+        });
+        sees_backs && irradiance(j) <= by_chance && emissions[j].max_element() == 0.0
+    };
+    let inside = (0..areas.len()).filter(is_inside);
+    Some(inside.map(|j| PatchId(j as u32)).collect())
+}
+
+/// What the rows drawn so far certify, together with the solution's `imbalance` and last `residual`. `inside` is what
+/// [`inside`] tells.
+pub fn certify(
+    rows: &RowCache,
+    inside: Option<&[PatchId]>,
+    imbalance: Option<f64>,
+    residual: Option<f64>,
+) -> Certificate {
     let scene = rows.sources().patches();
     let areas = scene.patch_areas();
     let exchange = Exchange::new(rows, &areas);
@@ -137,7 +180,11 @@ pub fn certify(rows: &RowCache, imbalance: Option<f64>, residual: Option<f64>) -
         .count() as u32;
     // Where nobody sees anybody, as around a solid, there is no exchange to be left out of.
     let leave_out_hidden = all_drawn && hidden < lit;
-    let counts = |j: usize| !leave_out_hidden || is_seen(j);
+    let is_inside = |j: usize| {
+        let patch = PatchId(j as u32);
+        inside.is_some_and(|inside| inside.binary_search(&patch).is_ok())
+    };
+    let counts = |j: usize| (!leave_out_hidden || is_seen(j)) && !is_inside(j);
 
     let mean_share = |loss| {
         let (mut lost, mut whole) = (0.0, 0.0);
@@ -169,11 +216,13 @@ pub fn certify(rows: &RowCache, imbalance: Option<f64>, residual: Option<f64>) -
     let mut certificate = Certificate {
         rows_drawn,
         hidden_patches: all_drawn.then_some(hidden),
+        inside_patches: inside.map(|inside| inside.len() as u32),
         open_share,
         back_face_share,
         looks_closed,
         closure_error: closure_error(rows),
-        reciprocity: (all_drawn && lit > 0).then(|| exchange.reciprocity(rows)),
+        reciprocity: (all_drawn && lit > 0)
+            .then(|| exchange.reciprocity(rows, inside.unwrap_or_default())),
         opening: if looks_closed == Some(true) {
             find(Loss::Opening, open_share)
         } else {
@@ -251,15 +300,19 @@ impl Exchange {
         exchange
     }
 
-    fn reciprocity(&self, rows: &RowCache) -> Reciprocity {
+    fn reciprocity(&self, rows: &RowCache, inside: &[PatchId]) -> Reciprocity {
         let sources = rows.sources();
         let is_unlit = rows.unlit();
         // Unlit patches, whose rows nobody knows, see no lit ones but black ones.
         let all_lit = !is_unlit.contains(&true);
         let reflectances = sources.patches().patch_reflectances();
         let counts = |source: u32| {
-            let patch = sources.patches_in(SourceId(source)).start as usize;
-            all_lit || !is_unlit[patch] && reflectances[patch].max_element() > 0.0
+            let patches = sources.patches_in(SourceId(source));
+            let patch = patches.start as usize;
+            let is_inside = patches
+                .clone()
+                .all(|k| inside.binary_search(&PatchId(k)).is_ok());
+            !is_inside && (all_lit || !is_unlit[patch] && reflectances[patch].max_element() > 0.0)
         };
         let (mut squares, mut whole) = (0.0, 0.0);
         let (mut worst_source, mut worst) = (0, 0.0_f64);
@@ -350,10 +403,12 @@ impl Certificate {
         violations
     }
 
-    /// Openings and back faces, with the likely culprits, whatever the tolerances.
+    /// Openings and back faces that are more than rounding, with the likely culprits.
     pub fn warnings(&self) -> Vec<String> {
-        let opening = self.opening.as_ref().map(Finding::opening);
-        let back_faces = self.back_faces.as_ref().map(Finding::back_faces);
+        let told = |finding: &&Finding| finding.share > OPEN_SHARE_TOLERANCE;
+        let opening = self.opening.as_ref().filter(told).map(Finding::opening);
+        let back_faces = self.back_faces.as_ref().filter(told);
+        let back_faces = back_faces.map(Finding::back_faces);
         opening.into_iter().chain(back_faces).collect()
     }
 

@@ -7,7 +7,7 @@
 //! reciprocity: patches gather by F_ij, and leave by F_ji. The imbalance says how large that is.
 
 use glam::DVec3;
-use scene::{Scene, Solution};
+use scene::{PatchId, Scene, Solution};
 use serde::Serialize;
 
 use crate::row_cache::RowCache;
@@ -29,7 +29,7 @@ pub struct Energy {
     pub imbalance: Option<f64>,
 }
 
-/// Row sums, dimensionless.
+/// Row sums of patches outside of solids, dimensionless.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Closure {
     /// Smallest.
@@ -40,11 +40,12 @@ pub struct Closure {
     pub max: f64,
 }
 
-/// Power balance, row sums and share of back faces.
+/// Power balance, row sums and share of back faces. `inside` are the patches inside of solids, as far as they are known.
 pub fn measure(
     scene: &Scene,
     solution: &Solution,
     rows: &RowCache,
+    inside: &[PatchId],
 ) -> (Energy, Option<Closure>, Option<f64>) {
     let areas = scene.patch_areas();
     let reflectance = scene.patch_reflectances();
@@ -66,6 +67,9 @@ pub fn measure(
         let leaving = area * radiosity[i].as_dvec3();
         lost += open * leaving;
         back += back_face * leaving;
+        if inside.binary_search(&PatchId(i as u32)).is_ok() {
+            continue;
+        }
         let sum = rows.received().row_sum(i);
         sum_min = sum_min.min(sum);
         sum_max = sum_max.max(sum);

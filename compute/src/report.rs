@@ -233,6 +233,11 @@ impl Report {
                 self.unlit_patches
             ));
         }
+        if let Some(inside) = self.certificate.inside_patches.filter(|&inside| inside > 0) {
+            lines.push(format!(
+                "inside solids  {inside} patches, dark and left out of means and errors"
+            ));
+        }
         if self.hemicubes_drawn > 0 {
             lines.push(format!(
                 "hemicubes      {} drawn, {:.0} a second; form factors take {}",

@@ -36,11 +36,11 @@ const DARK: Range = Range {
 pub fn suiting(scene: &Scene, values: &[Rgb], mode: Mode) -> Range {
     let areas = scene.patch_areas();
     let emissions = scene.patch_emissions();
+    let is_inside = scene.is_inside();
     let lit = |emitters: bool| -> Vec<(f64, f64)> {
-        let patches = values.iter().zip(&areas).zip(&emissions);
-        patches
-            .filter(|(_, emission)| (emission.max_element() > 0.0) == emitters)
-            .map(|((&value, &area), _)| (f64::from(luminance(value)), area))
+        (0..values.len())
+            .filter(|&k| !is_inside[k] && (emissions[k].max_element() > 0.0) == emitters)
+            .map(|k| (f64::from(luminance(values[k])), areas[k]))
             .filter(|&(light, _)| light > 0.0)
             .collect()
     };

@@ -4,7 +4,8 @@
 //! A value at a vertex is the mean, weighted by area, of the patches that meet there, and a point
 //! in a patch has the value that is linear between those of its corners (Cohen and Wallace,
 //! "Radiosity and Realistic Image Synthesis", 1993, section 9.1). It is continuous over shared
-//! edges and stays within the least and the greatest value of the patches around.
+//! edges and stays within the least and the greatest value of the patches around. What lies inside of a solid is left out: the
+//! floor around a box does not darken because the floor below it is dark.
 //!
 //! Radiosity itself is not continuous everywhere. Where patches that meet at a point differ in
 //! material, or in their normals by more than [`CREASE_DEGREES`], the point is several vertices,
@@ -75,6 +76,7 @@ impl VertexValues {
             .collect();
         corners.par_sort_unstable();
 
+        let is_inside = scene.is_inside();
         let mut vertices: Vec<Vertex> = Vec::new();
         let mut sums: Vec<(DVec3, f64)> = Vec::new();
         let mut vertex_of_corner = vec![0; corners.len()];
@@ -96,15 +98,18 @@ impl VertexValues {
                     });
                     sums.push((DVec3::ZERO, 0.0));
                 }
-                let (sum, area) = &mut sums[vertex];
-                *sum += patch.area * patch_values[corner as usize / 3].as_dvec3();
-                *area += patch.area;
+                let index = corner as usize / 3;
+                if !is_inside[index] {
+                    let (sum, area) = &mut sums[vertex];
+                    *sum += patch.area * patch_values[index].as_dvec3();
+                    *area += patch.area;
+                }
                 vertex_of_corner[corner as usize] = vertex as u32;
             }
         }
         let mut values: Vec<Rgb> = sums
             .iter()
-            .map(|(sum, area)| (sum / area).as_vec3())
+            .map(|(sum, area)| (sum / area.max(f64::MIN_POSITIVE)).as_vec3())
             .collect();
         close_seams(scene, &vertices, &vertex_of_corner, &mut values);
         Self {

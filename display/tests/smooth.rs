@@ -72,6 +72,41 @@ fn linear_field_is_reproduced_away_from_borders() {
     assert!(interior > 1000);
 }
 
+/// Half of a square lies inside of a solid, and its values take no part in those around.
+#[test]
+fn what_lies_inside_of_solids_is_left_out() {
+    let mut builder = Builder::default();
+    let material = builder.material(0.5, 0.0);
+    let square = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [0.0, 1.0, 0.0],
+    ];
+    builder.quad(square, material, 6);
+    let scene = builder.scene();
+    let (inside, outside): (Vec<PatchId>, Vec<PatchId>) =
+        patches(&scene).partition(|&p| scene.patch(p).centroid().x < 0.5);
+    let mut values = vec![Rgb::ZERO; scene.patch_count() as usize];
+    for patch in &outside {
+        values[patch.index()] = Rgb::ONE;
+    }
+    let scene = scene.with_inside(inside).unwrap();
+    let smooth = VertexValues::new(&scene, &values);
+    for patch in outside {
+        let corners = smooth.corners(patch);
+        assert!(
+            corners
+                .iter()
+                .all(|value| value.abs_diff_eq(Rgb::ONE, ROUNDING)),
+            "{corners:?}"
+        );
+    }
+    assert!(
+        patches(&scene).all(|patch| smooth.corners(patch).iter().all(|value| value.is_finite()))
+    );
+}
+
 #[test]
 fn smoothing_never_crosses_a_crease() {
     // The walls of a cube have a value each; 90 degrees lie between them.

@@ -62,6 +62,8 @@ pub enum SceneError {
         "area threshold {value} m^2 must be a number above 0, or inf to keep each triangle as one patch"
     )]
     AreaThreshold { value: f64 },
+    #[error("patch {patch} inside of a solid is none of {patches} patches in ascending order")]
+    Inside { patch: u32, patches: u32 },
     #[error("the solution's sources have {value} m^2 at most; it must be a finite number above 0")]
     SourceArea { value: f64 },
     #[error("the solution has {values} irradiances, the scene has {patches} patches")]

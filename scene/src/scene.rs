@@ -21,6 +21,8 @@ pub struct Scene {
     origin: DVec3,
     axes: ModelAxes,
     mesh: Mesh,
+    /// Ascending.
+    inside: Vec<PatchId>,
 }
 
 /// The geometry of one patch.
@@ -113,6 +115,7 @@ impl Scene {
             origin,
             axes: ModelAxes::default(),
             mesh,
+            inside: Vec::new(),
         })
     }
 
@@ -179,7 +182,25 @@ impl Scene {
         Self {
             // With fewer patches than before it cannot fail.
             mesh: Mesh::new(&depths).unwrap_or_else(|_| self.mesh.clone()),
+            inside: Vec::new(),
             ..self.clone()
+        }
+    }
+
+    /// The same scene, of which it is known that these patches, ascending, lie inside of solids: they are never lit, nobody
+    /// sees them, and they have no part in means, errors or interpolation. Without this none is known to.
+    ///
+    /// # Errors
+    /// Patches that are none, or in another order.
+    pub fn with_inside(self, inside: Vec<PatchId>) -> Result<Self, SceneError> {
+        let patches = self.patch_count();
+        let is_wrong = |&k: &usize| inside[k].0 >= patches || k > 0 && inside[k] <= inside[k - 1];
+        match (0..inside.len()).find(is_wrong) {
+            Some(k) => Err(SceneError::Inside {
+                patch: inside[k].0,
+                patches,
+            }),
+            None => Ok(Self { inside, ..self }),
         }
     }
 
@@ -202,6 +223,20 @@ impl Scene {
     /// that is no import. One per surface.
     pub fn faces(&self) -> &[u32] {
         &self.faces
+    }
+
+    /// The patches that lie inside of solids, ascending, see [`Self::with_inside`].
+    pub fn inside(&self) -> &[PatchId] {
+        &self.inside
+    }
+
+    /// Whether each patch lies inside of a solid, one per patch.
+    pub fn is_inside(&self) -> Vec<bool> {
+        let mut is_inside = vec![false; self.patch_count() as usize];
+        for patch in &self.inside {
+            is_inside[patch.index()] = true;
+        }
+        is_inside
     }
 
     /// What was subtracted from the model's coordinates, metres.

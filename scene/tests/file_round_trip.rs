@@ -8,8 +8,8 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use scene::file::{from_bytes, load, save, to_bytes};
 use scene::{
-    Level, Material, MaterialId, ObjectId, Provenance, RecordedSettings, Rgb, Scene, Solution,
-    State, Surface,
+    Level, Material, MaterialId, ObjectId, PatchId, Provenance, RecordedSettings, Rgb, Scene,
+    Solution, State, Surface,
 };
 
 /// Any f32 of a range of bit patterns: subnormals and extremes are as likely as the rest.
@@ -60,7 +60,13 @@ fn any_scene() -> impl Strategy<Value = Scene> {
             let scene =
                 Scene::new(materials, objects, surfaces, &depths, DVec3::from(origin)).ok()?;
             let faces = (7..).step_by(3).take(scene.surfaces().len());
-            scene.with_faces(faces.collect()).ok()
+            let inside = (0..scene.patch_count()).skip(1).step_by(3).map(PatchId);
+            let inside = inside.collect();
+            scene
+                .with_faces(faces.collect())
+                .ok()?
+                .with_inside(inside)
+                .ok()
         })
 }
 

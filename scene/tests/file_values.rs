@@ -213,6 +213,30 @@ fn faces_that_are_more_or_fewer_than_surfaces_are_an_error() {
 }
 
 #[test]
+fn patches_inside_of_solids_are_some_of_the_scene_in_ascending_order() {
+    let bytes = small_file();
+    let at = data(&bytes, "inside");
+    for (patches, wrong) in [
+        ([1, 5], 5),
+        ([4, 1], 1),
+        ([2, 2], 2),
+        ([u32::MAX, 1], u32::MAX),
+    ] {
+        let mut bytes = bytes.clone();
+        patch(&mut bytes, at, bytemuck::bytes_of(&patches));
+        let fault = fault_of(&seal(bytes));
+        let expected = SceneError::Inside {
+            patch: wrong,
+            patches: 5,
+        };
+        assert!(
+            matches!(&fault, FileFault::Scene(found) if *found == expected),
+            "{fault}"
+        );
+    }
+}
+
+#[test]
 fn damaged_names_are_errors() {
     let bytes = small_file();
     let names = data(&bytes, "names");

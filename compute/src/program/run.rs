@@ -88,6 +88,11 @@ fn solve_and_report(settings: &Settings, cancel: &CancelToken) -> anyhow::Result
         Err(error) => return Err(save_before(settings, &scene, row_files.as_ref(), error)),
     };
     let mut make_room = || make_room(row_files.as_ref());
+    // What was known stays so where not all is seen this time.
+    let scene = match solved.inside.take() {
+        Some(inside) => scene.with_inside(inside)?,
+        None => scene,
+    };
     save(settings, &scene, solved.solution(), &mut make_room)?;
     if solved.stopped_by == StoppedBy::Tolerance && !settings.keep_rows {
         remove_rows(row_files.as_ref());

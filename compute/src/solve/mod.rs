@@ -12,7 +12,7 @@ mod start;
 
 use std::time::Instant;
 
-use scene::{Rgb, Scene, SceneError, Solution};
+use scene::{PatchId, Rgb, Scene, SceneError, Solution};
 use visibility::hemicube::MAX_RESOLUTION;
 
 use crate::backend::Trial;
@@ -124,6 +124,9 @@ pub struct Solved {
     pub closure: Option<Closure>,
     /// Mean share of a hemisphere that sees back faces, by area; `None` as above.
     pub back_face_share: Option<f64>,
+    /// The patches that lie inside of solids, ascending; `None` unless all rows of lit patches were drawn, and before the
+    /// solution is near its end.
+    pub inside: Option<Vec<PatchId>>,
 }
 
 impl<'a> Solve<'a> {
@@ -449,13 +452,21 @@ impl<'a> Run<'a, '_> {
         self.seconds.draw = duration.as_secs_f64();
         self.seconds.write += statistics.files.as_secs_f64();
         self.seconds.finish(self.start.elapsed());
-        let (energy, closure, back_face_share) = energy::measure(self.scene, &solution, rows);
+        let inside = certificate::inside(rows, &solution);
+        let known = inside.as_deref();
+        let (energy, closure, back_face_share) =
+            energy::measure(self.scene, &solution, rows, known.unwrap_or_default());
         let residuals = &solution.provenance.residuals;
         let solver = self.settings.solution.solver;
         let ambient = ambient_radiosity(&Problem::new(self.scene), &solution);
         Ok(Solved {
             radiosity: solution.radiosity(self.scene),
-            certificate: certificate::certify(rows, energy.imbalance, residuals.last().copied()),
+            certificate: certificate::certify(
+                rows,
+                known,
+                energy.imbalance,
+                residuals.last().copied(),
+            ),
             stopped_by,
             backend: rows.backend(),
             adapter: rows.describe_source(),
@@ -476,6 +487,7 @@ impl<'a> Run<'a, '_> {
             energy,
             closure,
             back_face_share,
+            inside,
             solution,
         })
     }

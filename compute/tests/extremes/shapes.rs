@@ -97,7 +97,7 @@ fn plates_that_almost_touch_lose_nothing() {
     assert_furnace(&scene, "plates");
     let mut rows = cache(&scene, 128);
     rows.draw_missing().unwrap();
-    let certificate = certify(&rows, None, None);
+    let certificate = certify(&rows, None, None, None);
     assert_eq!(certificate.violations, [""; 0]);
     let rms = certificate.reciprocity.unwrap().rms;
     assert!(rms < RECIPROCITY_TOLERANCE, "{rms}");

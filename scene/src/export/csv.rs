@@ -10,7 +10,7 @@ use crate::{Rgb, Scene, Solution};
 /// The first line.
 pub const HEADER: &str = "patch,surface,material,cx,cy,cz,area,nx,ny,nz,\
     rho_r,rho_g,rho_b,emission_r,emission_g,emission_b,\
-    irradiance_r,irradiance_g,irradiance_b,radiosity_r,radiosity_g,radiosity_b,face,object";
+    irradiance_r,irradiance_g,irradiance_b,radiosity_r,radiosity_g,radiosity_b,face,object,inside";
 
 /// Writes one row a patch, in patch order.
 ///
@@ -18,7 +18,8 @@ pub const HEADER: &str = "patch,surface,material,cx,cy,cz,area,nx,ny,nz,\
 /// vector, reflectance dimensionless, the rest W/m^2. Every number has the digits that lead back to
 /// the same value: f64 for centroid and area, f32 for all else. Without a solution the irradiance
 /// is 0. The face is the triangle of the imported file that the patch lies in, see
-/// [`Scene::with_faces`], the object its name.
+/// [`Scene::with_faces`], the object its name; inside is 1 where the patch is known to lie inside of a solid, else 0, see
+/// [`Scene::with_inside`].
 pub fn save(path: &Path, scene: &Scene, solution: Option<&Solution>) -> Result<(), FileError> {
     let dark;
     let solution = if let Some(solution) = solution {
@@ -32,6 +33,7 @@ pub fn save(path: &Path, scene: &Scene, solution: Option<&Solution>) -> Result<(
         fault: error.into(),
     })?;
     let radiosity = solution.radiosity(scene);
+    let is_inside = scene.is_inside();
     write_atomically(path, |out| {
         writeln!(out, "{HEADER}")?;
         let values = solution.irradiance.iter().zip(&radiosity);
@@ -60,7 +62,8 @@ pub fn save(path: &Path, scene: &Scene, solution: Option<&Solution>) -> Result<(
                 write!(out, ",{x},{y},{z}")?;
             }
             let face = scene.faces()[patch.surface.index()];
-            writeln!(out, ",{face},{}", quoted(scene.object(surface.object)))?;
+            let object = quoted(scene.object(surface.object));
+            writeln!(out, ",{face},{object},{}", u8::from(is_inside[index]))?;
         }
         Ok(())
     })

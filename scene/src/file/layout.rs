@@ -68,6 +68,8 @@ impl SectionName {
     pub const SURFACES: Self = Self::new("surfaces");
     /// u32 numbers of faces.
     pub const FACES: Self = Self::new("faces");
+    /// u32 numbers of the patches inside of solids; not there where none is known.
+    pub const INSIDE: Self = Self::new("inside");
     /// JSON of [`crate::ModelAxes`]; not there where they are metres and nothing else is known.
     pub const AXES: Self = Self::new("axes");
     /// JSON of [`crate::Provenance`].
@@ -84,11 +86,12 @@ impl SectionName {
     pub const REMAINDER: Self = Self::new("remainder");
 
     /// All that this code knows.
-    const ALL: [Self; 11] = [
+    const ALL: [Self; 12] = [
         Self::NAMES,
         Self::MATERIALS,
         Self::SURFACES,
         Self::FACES,
+        Self::INSIDE,
         Self::AXES,
         Self::PROVENANCE,
         Self::IRRADIANCE,

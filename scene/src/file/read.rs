@@ -10,7 +10,8 @@ use super::layout::{Header, MaterialRecord, Names, SectionName, SurfaceRecord};
 use super::table::{Sections, structure};
 use super::{FileError, FileFault, version_1};
 use crate::{
-    Level, Material, MaterialId, ObjectId, Provenance, Rgb, Scene, Solution, State, Surface,
+    Level, Material, MaterialId, ObjectId, PatchId, Provenance, Rgb, Scene, Solution, State,
+    Surface,
 };
 
 /// Reads a scene and, where the file has one, its solution.
@@ -95,6 +96,9 @@ fn scene(sections: &Sections) -> Result<Scene, FileFault> {
     let mut scene = Scene::new(materials, names.objects, surfaces, &depths, origin)?;
     if sections.has(SectionName::AXES) {
         scene = scene.with_axes(sections.json(SectionName::AXES)?)?;
+    }
+    if let Some(inside) = sections.records_if_any::<u32>(SectionName::INSIDE)? {
+        scene = scene.with_inside(inside.into_iter().map(PatchId).collect())?;
     }
     Ok(match sections.records_if_any(SectionName::FACES)? {
         Some(faces) => scene.with_faces(faces)?,

@@ -136,6 +136,10 @@ pub fn to_bytes(scene: &Scene, solution: Option<&Solution>) -> Vec<u8> {
     file.records(SectionName::MATERIALS, REQUIRED, &materials);
     file.records(SectionName::SURFACES, REQUIRED, &surfaces);
     file.records(SectionName::FACES, 0, scene.faces());
+    if !scene.inside().is_empty() {
+        let inside: Vec<u32> = scene.inside().iter().map(|patch| patch.0).collect();
+        file.records(SectionName::INSIDE, 0, &inside);
+    }
     let axes = scene.axes();
     if axes != ModelAxes::default() {
         // Who does not know the unit would take places for others.

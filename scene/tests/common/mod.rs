@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use glam::{DVec3, Vec3};
 use scene::obj::{ObjError, ObjModel};
 use scene::{
-    Level, Material, MaterialId, ObjectId, Provenance, RecordedSettings, Rgb, Scene, Solution,
-    State, Surface,
+    Level, Material, MaterialId, ObjectId, PatchId, Provenance, RecordedSettings, Rgb, Scene,
+    Solution, State, Surface,
 };
 use serde_json::json;
 use tempfile::TempDir;
@@ -30,7 +30,7 @@ pub fn surface(corners: [[f32; 3]; 3], material: u32, object: u32) -> Surface {
     }
 }
 
-/// Two triangles of 1 and 4 patches, the faces 3 and 7, two materials, two objects, an origin.
+/// Two triangles of 1 and 4 patches, the faces 3 and 7, two materials, two objects, an origin, two patches inside of a solid.
 pub fn small_scene() -> Scene {
     Scene::new(
         vec![
@@ -47,6 +47,8 @@ pub fn small_scene() -> Scene {
     )
     .unwrap()
     .with_faces(vec![3, 7])
+    .unwrap()
+    .with_inside(vec![PatchId(1), PatchId(4)])
     .unwrap()
 }
 
