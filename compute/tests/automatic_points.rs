@@ -132,3 +132,37 @@ fn nothing_near_needs_one_point() {
     let counts = counts(&dark(bowl, f64::INFINITY));
     assert!(counts.iter().all(|&count| count == 1), "{counts:?}");
 }
+
+/// Across a gap of a fiftieth of a patch only what lies at its rim needs many points; the view factor between unit squares at
+/// distance 1e-3 is 0.998006 (the closed form). What it lacks to 1, twice the gap, lies in a strip of the gap's width at the rim,
+/// of which points see two thirds or more.
+#[test]
+fn only_the_rim_of_a_gap_needs_many_points() {
+    let gap = 1e-3;
+    let scene = dark([square(0.0, true), square(gap, false)].concat(), 1e-3);
+    let counts = counts(&scene);
+    let (mut rim, mut middle) = (Vec::new(), Vec::new());
+    for (patch, &count) in (0..).map(PatchId).zip(&counts) {
+        let corners = scene.patch(patch).corners;
+        let is_rim = corners
+            .iter()
+            .any(|p| p.x.min(p.y).min(1.0 - p.x).min(1.0 - p.y) <= 0.0);
+        if is_rim {
+            rim.push(count)
+        } else {
+            middle.push(count)
+        }
+    }
+    let mean = |counts: &[u32]| f64::from(counts.iter().sum::<u32>()) / counts.len() as f64;
+    assert!(
+        mean(&rim) > 48.0 && mean(&middle) < 16.0,
+        "{}, {}",
+        mean(&rim),
+        mean(&middle)
+    );
+    let found = form_factor(&scene, |n| n.z > 0.0, |n| n.z < 0.0);
+    assert!(
+        (found - 0.998_006).abs() < 2.0 / 3.0 * f64::from(gap),
+        "{found}"
+    );
+}

@@ -21,6 +21,9 @@
 //!   than 120 degrees apart): across a narrow gap the view changes along its rim within a gap's width;
 //! - the form factors of what counts within `NEAR` radii change by at most a share `SETTLED` in sum with
 //!   either of the next two bisections.
+//!
+//! Most patches before a gap lie away from its rim and see the same from everywhere. So where a gap asks for more points,
+//! the fewest are taken, one included, whose form factors are the same but for a share `SAME`.
 
 use std::f64::consts::PI;
 
@@ -45,6 +48,9 @@ const LEAST_FORM_FACTOR: f64 = 2e-3;
 
 /// Sum of the form factors' changes, relative to their sum, that is small enough.
 const SETTLED: f64 = 2e-2;
+
+/// Sum of the form factors' differences, relative to their sum, of rules that are as good as each other.
+const SAME: f64 = 5e-5;
 
 /// Radius of a triangle in distances of what faces it, at most.
 const GAPS: f64 = 4.0;
@@ -197,18 +203,26 @@ impl<'a> Surroundings<'a> {
         let least = least.min(MOST_BISECTIONS);
         let means_of = |bisections| means(Rule::ThreePoint { bisections }, corners, &near);
         let mut finer = [means_of(least), means_of(least + 1)];
-        for bisections in least..MOST_BISECTIONS {
+        let mut bisections = least;
+        while bisections < MOST_BISECTIONS {
             let [here, next] = &finer;
             let after_next = means_of(bisections + 2);
-            if is_settled(here, next) && is_settled(here, &after_next) {
-                return Rule::ThreePoint { bisections };
+            if differ(here, next) <= SETTLED && differ(here, &after_next) <= SETTLED {
+                break;
             }
             let [_, next] = finer;
             finer = [next, after_next];
+            bisections += 1;
         }
-        Rule::ThreePoint {
-            bisections: MOST_BISECTIONS,
+        let rule = Rule::ThreePoint { bisections };
+        if least == 0 {
+            return rule;
         }
+        let fewer = (0..bisections).map(|bisections| Rule::ThreePoint { bisections });
+        std::iter::once(FEWEST)
+            .chain(fewer)
+            .find(|&fewer| are_same(&means(fewer, corners, &near), &finer[0]))
+            .unwrap_or(rule)
     }
 
     /// A surface in a patch's frame, which stands at its centroid; `None` where it does not count, there and
@@ -253,10 +267,16 @@ fn means(rule: Rule, corners: [DVec3; 3], near: &[Neighbour]) -> Vec<f64> {
         .collect()
 }
 
-/// True where what a finer rule gives differs little in sum.
-fn is_settled(means: &[f64], finer: &[f64]) -> bool {
+/// How far form factors are from those of a finer rule, relative to these, all in sum.
+fn differ(means: &[f64], finer: &[f64]) -> f64 {
     let changes = means.iter().zip(finer).map(|(a, b)| (a - b).abs());
-    changes.sum::<f64>() <= SETTLED * finer.iter().sum::<f64>()
+    changes.sum::<f64>() / finer.iter().sum::<f64>().max(f64::MIN_POSITIVE)
+}
+
+/// Whether each form factor is that of a finer rule.
+fn are_same(means: &[f64], finer: &[f64]) -> bool {
+    let mut pairs = means.iter().zip(finer);
+    pairs.all(|(a, b)| (a - b).abs() <= SAME * b.max(LEAST_FORM_FACTOR))
 }
 
 /// A surface in a patch's frame.

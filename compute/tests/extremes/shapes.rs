@@ -143,9 +143,9 @@ fn plates_without_rims_lose_what_leaves_between_them() {
         converge(solver.as_mut(), &mut rows, 1e-6);
         rows.draw_missing().unwrap();
         let solution = solver.snapshot();
-        let energy = compute::energy::measure(&scene, &solution, &rows).0;
+        let energy = compute::energy::measure(&scene, &solution, &rows, &[]).0;
         // As much as reciprocity misses, and what the residual leaves.
-        let certificate = certify(&rows, energy.imbalance, None);
+        let certificate = certify(&rows, None, energy.imbalance, None);
         let missed = certificate.reciprocity.unwrap().rms;
         let imbalance = energy.imbalance.unwrap();
         assert!(
