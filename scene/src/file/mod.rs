@@ -14,6 +14,7 @@
 //! | materials* | 6 f32: reflectance; emission, W/m^2 | materials |
 //! | surfaces* | 9 f32: corners, metres; 3 u32: material, object, bisections | surfaces |
 //! | faces | u32: triangle of the imported file | surfaces |
+//! | inside | u32: patches inside of solids, ascending | as many as are known |
 //! | provenance | JSON: [`crate::Provenance`] | bytes |
 //! | irradiance | 3 f32, W/m^2 | patches |
 //! | gathered | 3 f32, W/m^2 | patches done |
