@@ -8,7 +8,7 @@ use clap::{CommandFactory, Parser};
 use genx::cut::Cut;
 use genx::{Change, Look, Model, Settings};
 use scene::file::is_same_file;
-use scene::obj::Orient;
+use scene::import::Orient;
 use scene::{Axis, Rgb};
 
 /// What the user asks for.

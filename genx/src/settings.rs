@@ -3,7 +3,7 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use scene::obj::{ImportOptions, Orient};
+use scene::import::{ImportOptions, Orient};
 use scene::{Axis, ModelAxes, Rgb};
 
 use crate::changes::{Change, Look};

@@ -13,6 +13,7 @@ mod error;
 pub mod export;
 pub mod file;
 mod ids;
+pub mod import;
 mod material;
 mod mesh;
 pub mod obj;

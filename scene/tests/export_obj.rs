@@ -7,7 +7,8 @@ use std::path::Path;
 use common::{folder, listing, material, small_scene, surface};
 use glam::DVec3;
 use scene::export::obj;
-use scene::obj::{ImportOptions, load_with};
+use scene::import::ImportOptions;
+use scene::obj::load_with;
 use scene::{Axis, ModelAxes, PatchId, Scene};
 
 /// Exports, and imports without subdivision.

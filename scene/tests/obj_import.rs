@@ -4,21 +4,22 @@ mod common;
 
 use common::{SQUARE, folder, load_text, write};
 use glam::DVec3;
-use scene::obj::{ImportOptions, ObjError, ObjModel, load, load_with};
+use scene::import::{ImportOptions, ImportedModel};
+use scene::obj::{ObjError, load, load_with};
 use scene::{Rgb, Scene};
 
-fn model(text: &str) -> ObjModel {
+fn model(text: &str) -> ImportedModel {
     load_text(&folder(), text).unwrap()
 }
 
-fn with_mtl(obj: &str, mtl: &str) -> Result<ObjModel, ObjError> {
+fn with_mtl(obj: &str, mtl: &str) -> Result<ImportedModel, ObjError> {
     let folder = folder();
     write(&folder, "a.mtl", mtl);
     load_text(&folder, format!("mtllib a.mtl\n{SQUARE}{obj}"))
 }
 
 /// Corners of all triangles in the file's coordinates. Small binary fractions are exact.
-fn triangles(model: &ObjModel) -> Vec<[[f64; 3]; 3]> {
+fn triangles(model: &ImportedModel) -> Vec<[[f64; 3]; 3]> {
     let original = |p: glam::Vec3| (p.as_dvec3() + model.origin).to_array();
     model
         .surfaces

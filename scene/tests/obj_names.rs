@@ -4,7 +4,7 @@ mod common;
 
 use common::{SQUARE, folder, load_text, write};
 use scene::Rgb;
-use scene::obj::ObjModel;
+use scene::import::ImportedModel;
 
 /// A square of four faces with these statements before each.
 fn faces(before: [&str; 4]) -> String {
@@ -17,7 +17,7 @@ fn faces(before: [&str; 4]) -> String {
     lines.join("\n") + "\n"
 }
 
-fn with_mtl(mtl: &[u8], obj: &[u8]) -> ObjModel {
+fn with_mtl(mtl: &[u8], obj: &[u8]) -> ImportedModel {
     let folder = folder();
     write(&folder, "a.mtl", mtl);
     load_text(
@@ -28,7 +28,7 @@ fn with_mtl(mtl: &[u8], obj: &[u8]) -> ObjModel {
 }
 
 /// Reflectances of the surfaces, red.
-fn reds(model: &ObjModel) -> Vec<f32> {
+fn reds(model: &ImportedModel) -> Vec<f32> {
     let material = |s: &scene::Surface| &model.materials[s.material.index()];
     model
         .surfaces
@@ -37,7 +37,7 @@ fn reds(model: &ObjModel) -> Vec<f32> {
         .collect()
 }
 
-fn objects(model: &ObjModel) -> Vec<u32> {
+fn objects(model: &ImportedModel) -> Vec<u32> {
     model.surfaces.iter().map(|s| s.object.0).collect()
 }
 

@@ -5,9 +5,10 @@ mod common;
 use common::{SQUARE, folder, load_text, write};
 use image::{Rgb as Texel, RgbImage};
 use scene::Rgb;
-use scene::obj::{ObjError, ObjModel};
+use scene::import::ImportedModel;
+use scene::obj::ObjError;
 
-fn with_mtl(mtl: &str) -> Result<ObjModel, ObjError> {
+fn with_mtl(mtl: &str) -> Result<ImportedModel, ObjError> {
     let folder = folder();
     write(&folder, "a.mtl", mtl);
     load_text(
@@ -90,7 +91,7 @@ fn faces_that_are_wholly_transparent_are_left_out() {
 }
 
 /// A square over a picture whose left half is white and whose right half is black, above a grey row at its bottom.
-fn textured(name: &str, mtl: &str, at: [[f64; 2]; 4]) -> ObjModel {
+fn textured(name: &str, mtl: &str, at: [[f64; 2]; 4]) -> ImportedModel {
     let folder = folder();
     let mut picture = RgbImage::from_pixel(64, 64, Texel([255; 3]));
     for (x, y, texel) in picture.enumerate_pixels_mut() {
@@ -116,7 +117,7 @@ fn textured(name: &str, mtl: &str, at: [[f64; 2]; 4]) -> ObjModel {
 /// some texels of n^2: 3 percent here.
 #[test]
 fn a_texture_counts_with_its_mean_on_each_triangle() {
-    let means = |model: &ObjModel| -> Vec<f32> {
+    let means = |model: &ImportedModel| -> Vec<f32> {
         let material = |s: &scene::Surface| &model.materials[s.material.index()];
         model
             .surfaces

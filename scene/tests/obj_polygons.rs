@@ -8,10 +8,10 @@ use std::fmt::Write;
 use common::{folder, load_text};
 use glam::{DMat3, DVec2, DVec3};
 use proptest::prelude::*;
-use scene::obj::ObjModel;
+use scene::import::ImportedModel;
 
 /// The polygon with these corners, in the file's order.
-fn import(corners: &[DVec3]) -> ObjModel {
+fn import(corners: &[DVec3]) -> ImportedModel {
     let mut text = String::new();
     for p in corners {
         writeln!(text, "v {} {} {}", p.x, p.y, p.z).unwrap();

@@ -3,14 +3,15 @@
 mod common;
 
 use common::{SQUARE, folder, load_text, write};
-use scene::obj::{ImportOptions, ObjModel, Orient, load_with};
+use scene::import::{ImportOptions, ImportedModel, Orient};
+use scene::obj::load_with;
 use scene::weld::places;
 
 /// Three upward squares, the last of which is wound downwards; all normals are up.
 const TURNED: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\nv 3 0 0\nv 3 1 0\nvn 0 0 1\n\
     f 1//1 2//1 3//1 4//1\nf 2//1 5//1 6//1 3//1\nf 5//1 6//1 8//1 7//1\n";
 
-fn oriented(text: &str, orient: Orient) -> ObjModel {
+fn oriented(text: &str, orient: Orient) -> ImportedModel {
     let folder = folder();
     let path = write(&folder, "a.obj", text);
     let options = ImportOptions {
@@ -21,7 +22,7 @@ fn oriented(text: &str, orient: Orient) -> ObjModel {
 }
 
 /// Which surfaces face up.
-fn are_up(model: &ObjModel) -> Vec<bool> {
+fn are_up(model: &ImportedModel) -> Vec<bool> {
     model.surfaces.iter().map(|s| s.normal().z > 0.0).collect()
 }
 

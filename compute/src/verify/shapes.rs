@@ -8,7 +8,7 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
-use scene::obj::ObjModel;
+use scene::import::ImportedModel;
 use scene::planar::box_sides;
 use scene::{Material, MaterialId, ObjectId, Rgb, Scene, SceneError, Surface};
 
@@ -162,8 +162,8 @@ pub struct SceneBuilder {
 }
 
 /// A model whose patches are its triangles.
-impl From<ObjModel> for SceneBuilder {
-    fn from(model: ObjModel) -> Self {
+impl From<ImportedModel> for SceneBuilder {
+    fn from(model: ImportedModel) -> Self {
         Self {
             max_areas: vec![f64::INFINITY; model.surfaces.len()],
             materials: model.materials,

@@ -1,50 +1,43 @@
-//! From tobj's polygons to surfaces: centring, triangles, and dropping what has no area.
+//! From tobj's polygons to the triangles of a model.
 
 use std::collections::{BTreeMap, HashSet};
 
 use glam::{DVec3, Vec3};
 
-use super::looks::{Kept, Looks};
-use super::mtl::Taken;
-use super::repairs::{drop_repeated, turn_to_normals};
+use super::mtl::TERMS;
 use super::screen::{Face, Screened, Used};
-use super::{ImportOptions, ImportReport, ObjFault, ObjModel, polygon};
+use super::{ObjFault, polygon};
+use crate::import::origin::{Overflow, centred, origin_of};
+use crate::import::{Draft, ImportOptions, ImportReport, ImportedModel, Looks, Piece, Taken};
 use crate::{ObjectId, Surface};
-
-/// Margin on the largest extent, so that models whose extent is a power of two, which are common,
-/// do not change their grid, and with it the origin, by rounding. Tuned: any odd ratio serves.
-const EXTENT_MARGIN: f64 = 1.1;
 
 /// How many names a warning has.
 const MOST_NAMED: usize = 3;
-
-/// A triangle on its way to a surface.
-pub(super) struct Piece {
-    pub surface: Surface,
-    /// The file's triangle, from 0.
-    pub face: u32,
-    pub line: usize,
-    /// Whether the file's own normals are on its back; `None` where there are none.
-    pub is_against: Option<bool>,
-}
 
 /// Builds the model; `materials` has one element per material of the file.
 pub(super) fn build(
     screened: &Screened,
     materials: Vec<Taken>,
     options: &ImportOptions,
-    mut report: ImportReport,
-) -> Result<ObjModel, ObjFault> {
+    report: ImportReport,
+) -> Result<ImportedModel, ObjFault> {
     let models = screened.parse().map_err(ObjFault::Parser)?;
     let positions = positions_of(&models, options.axes.unit);
-    let origin = origin_of(positions.iter().flatten());
+    let origin = origin_of(positions.iter().flatten().copied());
 
-    let mut looks = Looks::new(materials);
-    let mut pieces: Vec<Piece> = Vec::new();
+    let looks = Looks::new(materials, options, TERMS);
+    let mut draft = Draft {
+        pieces: Vec::new(),
+        objects: object_names(screened, &looks),
+        looks,
+        triangles: 0,
+        absent: BTreeMap::new(),
+        origin,
+        axes: options.axes,
+        report,
+    };
     let mut first_lines = FirstLines::default();
     let mut overlapping = 0;
-    let mut triangles = 0_usize;
-    let mut absent = BTreeMap::new();
     let mut faces = screened.faces.iter();
     let mut places = &screened.corners[..];
     for (model, positions) in models.iter().zip(&positions) {
@@ -57,13 +50,14 @@ pub(super) fn build(
             places = rest;
             let polygon = corners
                 .iter()
-                .map(|&index| centred(positions[index as usize], origin, line))
-                .collect::<Result<Vec<Vec3>, _>>()?;
+                .map(|&index| centred(positions[index as usize], origin))
+                .collect::<Result<Vec<Vec3>, _>>()
+                .map_err(|overflow| too_far(overflow, line))?;
             let cut = polygon::triangles(&polygon);
             if polygon.len() > 3 {
-                report.polygons += 1;
+                draft.report.polygons += 1;
                 if !cut.is_planar {
-                    report.non_planar_polygons += 1;
+                    draft.report.non_planar_polygons += 1;
                     first_lines.non_planar.get_or_insert(line);
                 }
                 if cut.overlap {
@@ -73,65 +67,52 @@ pub(super) fn build(
             }
             let agreement = cut.normal.dot(normal);
             for corners in cut.corners {
-                let face = triangles as u32;
-                triangles += 1;
-                if looks.is_absent(material) {
-                    *absent.entry(material).or_insert(0) += 1;
+                let face = draft.triangles as u32;
+                draft.triangles += 1;
+                if draft.leaves_out(material) {
                     continue;
                 }
                 let at = corners.map(|k| screened.texture_coordinate(of_corners[k]));
+                let warnings = &mut draft.report.warnings;
                 let surface = Surface {
                     corners: corners.map(|k| polygon[k]),
-                    material: looks.id(material, at, &mut report.warnings),
+                    material: draft.looks.id(material, [at, [None; 3]], warnings),
                     object,
                 };
                 if surface.is_degenerate() {
-                    report.degenerate_dropped += 1;
+                    draft.report.degenerate_dropped += 1;
                     first_lines.degenerate.get_or_insert(line);
                 } else {
-                    pieces.push(Piece {
+                    draft.pieces.push(Piece {
                         surface,
                         face,
-                        line,
+                        place: line,
                         is_against: (agreement != 0.0).then_some(agreement < 0.0),
                     });
                 }
             }
         }
     }
-    for (material, count) in absent {
-        report.warnings.push(format!(
-            "material \"{}\" is wholly transparent (d 0): its {count} triangles are left out",
-            screened.materials[material].name
-        ));
+    draft.warn_of_absent();
+    if draft.pieces.is_empty() {
+        return Err(ObjFault::NothingLeft {
+            triangles: draft.triangles,
+        });
     }
-    if pieces.is_empty() {
-        return Err(ObjFault::NothingLeft { triangles });
-    }
-    first_lines.warn(overlapping, triangles, &mut report);
+    first_lines.warn(overlapping, draft.triangles, &mut draft.report);
     if screened.has_objects {
-        warn_of_places(&screened.objects, &mut report);
+        warn_of_places(&screened.objects, &mut draft.report);
     }
-    let objects = object_names(screened, &looks);
-    turn_to_normals(&mut pieces, options.orient, &mut report);
-    drop_repeated(&mut pieces, &looks, &objects, triangles, &mut report);
-    let (materials, pictures) = looks.into_materials();
-    let mut kept_materials = Kept::new(materials.len());
-    let mut kept_objects = Kept::new(objects.len());
-    for Piece { surface, .. } in &mut pieces {
-        surface.material.0 = kept_materials.id(surface.material.index());
-        surface.object.0 = kept_objects.id(surface.object.index());
+    Ok(draft.finish(options, &|line| format!("line {line}")))
+}
+
+fn too_far(overflow: Overflow, line: usize) -> ObjFault {
+    let Overflow { value, from_centre } = overflow;
+    ObjFault::Overflow {
+        line,
+        value,
+        from_centre,
     }
-    Ok(ObjModel {
-        materials: kept_materials.of(&materials),
-        objects: kept_objects.of(&objects),
-        faces: pieces.iter().map(|piece| piece.face).collect(),
-        surfaces: pieces.into_iter().map(|piece| piece.surface).collect(),
-        origin,
-        axes: options.axes,
-        report,
-        files: pictures,
-    })
 }
 
 /// The vertices of each model, metres.
@@ -213,38 +194,6 @@ fn faces_of(mesh: &tobj::Mesh) -> impl Iterator<Item = &[u32]> {
             rest = after;
             Some(face)
         })
-}
-
-/// The middle of the bounding box, rounded as the module's documentation says.
-fn origin_of<'a>(positions: impl Iterator<Item = &'a DVec3>) -> DVec3 {
-    let (low, high) = positions.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &p| {
-        (low.min(p), high.max(p))
-    });
-    let grid = (EXTENT_MARGIN * (high - low).max_element())
-        .log2()
-        .ceil()
-        .exp2();
-    let origin = ((0.5 * low + 0.5 * high) / grid).round() * grid;
-    // Not finite only for extents of zero, or beyond f32, where an error follows.
-    if origin.is_finite() {
-        origin + DVec3::ZERO // no negative zeros
-    } else {
-        DVec3::ZERO
-    }
-}
-
-fn centred(position: DVec3, origin: DVec3, line: usize) -> Result<Vec3, ObjFault> {
-    let centred = (position - origin).as_vec3();
-    for axis in 0..3 {
-        if !centred[axis].is_finite() {
-            return Err(ObjFault::Overflow {
-                line,
-                value: position[axis],
-                from_centre: (position - origin)[axis],
-            });
-        }
-    }
-    Ok(centred)
 }
 
 /// The first line of each kind of trouble.

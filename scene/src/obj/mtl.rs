@@ -6,14 +6,19 @@ use std::path::{Path, PathBuf};
 
 use super::lines::{Statement, lines, names, text};
 use super::screen::Used;
-use super::{ImportOptions, ObjError, ObjFault, files};
+use super::{ObjError, ObjFault, files};
+use crate::import::files::read_regular;
+use crate::import::{
+    GREY, ImportOptions, Picture, Taken, Terms, Textured, Wrap, left_out, limit, limited,
+};
 use crate::{Material, Rgb};
 
-/// Reflectance of what has none, dimensionless.
-pub(super) const GREY: f32 = 0.5;
-
-/// What is taken for a reflectance of 1 or more, which no surface has, unless the options say otherwise, dimensionless.
-pub(super) const WHITE: f32 = 0.95;
+/// What messages call things.
+pub(super) const TERMS: Terms = Terms {
+    colour: "Kd",
+    coordinates: "vt",
+    without_picture: "Kd alone counts, or grey where that is 0",
+};
 
 /// Specular reflectances up to this are those of any dull surface.
 const DULL: f64 = 0.05;
@@ -54,32 +59,6 @@ struct Definition {
 pub(super) struct Library {
     files: Vec<PathBuf>,
     materials: HashMap<String, Definition>,
-}
-
-/// A material as faces have it.
-#[derive(Clone, Debug)]
-pub(super) struct Taken {
-    /// Where it has no texture, or that cannot be had.
-    pub material: Material,
-    pub texture: Option<Textured>,
-    /// Wholly transparent: its faces are not there.
-    pub is_absent: bool,
-}
-
-/// A picture on a material.
-#[derive(Clone, Debug)]
-pub(super) struct Textured {
-    pub path: PathBuf,
-    /// What its colours are multiplied by.
-    pub factor: Rgb,
-    pub options: ImportOptions,
-}
-
-impl Textured {
-    /// The reflectance where the picture has some colour.
-    pub fn reflectance(&self, colour: Rgb) -> Rgb {
-        limited(self.factor * colour, &self.options)
-    }
 }
 
 impl Library {
@@ -165,8 +144,9 @@ impl Library {
         let stand_in = options.reflectance.unwrap_or(GREY);
         let without = |name| Taken {
             material: grey(name, stand_in),
-            texture: None,
-            is_absent: false,
+            reflectance: None,
+            emission: None,
+            absence: None,
         };
         if name.trim().is_empty() {
             warnings.push(format!(
@@ -191,7 +171,7 @@ impl Library {
         if let Some(emission) = found.emission {
             material.emission = Rgb::from(emission.map(|v| v as f32));
         }
-        taken.is_absent = found.is_absent();
+        taken.absence = found.is_absent().then(|| "d 0".to_owned());
         if options.reflectance.is_none() || material.is_emitter() {
             if found.diffuse.is_none() && found.diffuse_map.is_none() {
                 warnings.push(format!(
@@ -205,29 +185,27 @@ impl Library {
                 // Programs that take the picture instead of Kd write 0 for that.
                 let is_instead = diffuse.is_none_or(|kd| kd == Rgb::ZERO);
                 let folder = path.parent().unwrap_or(Path::new(""));
-                taken.texture = Some(Textured {
-                    path: files::picture(folder, map),
+                taken.reflectance = Some(Textured {
+                    picture: Picture {
+                        name: files::picture(folder, map),
+                        bytes: None,
+                    },
                     factor: if is_instead {
                         Rgb::ONE
                     } else {
                         material.reflectance
                     },
-                    options: *options,
+                    wrap: [Wrap::Repeat; 2],
                 });
                 if is_instead {
                     material.reflectance = Rgb::splat(GREY);
                 }
                 material.reflectance = limited(material.reflectance, options);
             } else {
-                warnings.extend(limit(material, options));
+                warnings.extend(limit(material, options, &TERMS));
             }
         }
-        if !found.left_out.is_empty() {
-            warnings.push(format!(
-                "material \"{name}\": {} left out: surfaces are opaque and reflect diffusely",
-                joined(&found.left_out)
-            ));
-        }
+        warnings.extend(left_out(name, &found.left_out));
         if !found.respelt.is_empty() {
             warnings.push(format!(
                 "material \"{name}\": {} (the format has capitals here)",
@@ -253,55 +231,6 @@ impl Library {
         });
         found.map(|(name, definition)| (&name[..], definition))
     }
-}
-
-/// Brings reflectances below 1, and says so.
-fn limit(material: &mut Material, options: &ImportOptions) -> Option<String> {
-    let before = material.reflectance;
-    material.reflectance = limited(before, options);
-    (material.reflectance != before).then(|| {
-        let Rgb { x, y, z } = before;
-        let name = &material.name;
-        let Rgb { x: r, y: g, z: b } = material.reflectance;
-        format!(
-            "material \"{name}\": Kd {x} {y} {z} is taken as {r} {g} {b}, since surfaces reflect less than they receive; \
-             --reflectance \"{name}\"=R,G,B says otherwise"
-        )
-    })
-}
-
-/// A reflectance below 1; what is not finite stays.
-fn limited(reflectance: Rgb, options: &ImportOptions) -> Rgb {
-    let most = options.max_reflectance.unwrap_or(WHITE);
-    let limited = |value: f32| {
-        let is_too_much = match options.max_reflectance {
-            Some(most) => value > most,
-            None => value >= 1.0,
-        };
-        if is_too_much && value.is_finite() {
-            most
-        } else {
-            value
-        }
-    };
-    Rgb::from(reflectance.to_array().map(limited))
-}
-
-/// "a, b and c are", "a is".
-fn joined(items: &[String]) -> String {
-    match items {
-        [one] => format!("{one} is"),
-        [rest @ .., last] => format!("{} and {last} are", rest.join(", ")),
-        [] => String::new(),
-    }
-}
-
-/// A device or pipe that a model names could be endless.
-fn read_regular(path: &Path) -> std::io::Result<Vec<u8>> {
-    if !std::fs::metadata(path)?.is_file() {
-        return Err(std::io::Error::other("not a regular file"));
-    }
-    std::fs::read(path)
 }
 
 /// All definitions of a file, with their names.

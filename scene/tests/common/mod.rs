@@ -6,7 +6,8 @@ pub mod damage;
 use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};
-use scene::obj::{ObjError, ObjModel};
+use scene::import::ImportedModel;
+use scene::obj::ObjError;
 use scene::{
     Level, Material, MaterialId, ObjectId, PatchId, Provenance, RecordedSettings, Rgb, Scene,
     Solution, State, Surface,
@@ -139,6 +140,6 @@ pub fn bits(values: &[Rgb]) -> Vec<[u32; 3]> {
 pub const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 /// Imports a text as `a.obj` in this folder.
-pub fn load_text(folder: &TempDir, text: impl AsRef<[u8]>) -> Result<ObjModel, ObjError> {
+pub fn load_text(folder: &TempDir, text: impl AsRef<[u8]>) -> Result<ImportedModel, ObjError> {
     scene::obj::load(&write(folder, "a.obj", text))
 }

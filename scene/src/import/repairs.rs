@@ -5,14 +5,18 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::build::Piece;
-use super::looks::Looks;
+use super::draft::{Draft, Piece};
 use super::{ImportReport, Orient};
-use crate::weld::{Place, place, places};
+use crate::weld::{self, Place, places};
 
 /// Turns triangles whose front is not where the file's own normals are. A face whose other side is a face of the file too is
 /// half of a sheet and stays.
-pub(super) fn turn_to_normals(pieces: &mut [Piece], orient: Orient, report: &mut ImportReport) {
+pub(super) fn turn_to_normals(
+    pieces: &mut [Piece],
+    orient: Orient,
+    place: &dyn Fn(usize) -> String,
+    report: &mut ImportReport,
+) {
     let mut areas = [0.0, 0.0];
     for piece in pieces.iter() {
         if let Some(is_against) = piece.is_against {
@@ -37,14 +41,14 @@ pub(super) fn turn_to_normals(pieces: &mut [Piece], orient: Orient, report: &mut
     }
     // The normals of all faces by their corners.
     let mut sides: HashMap<Vec<Place>, Vec<DVec3>> = HashMap::new();
-    for face in pieces.chunk_by(|a, b| a.line == b.line) {
+    for face in pieces.chunk_by(|a, b| a.place == b.place) {
         sides
             .entry(corners_of(face))
             .or_default()
             .push(normal_of(face));
     }
     let mut first = None;
-    for face in pieces.chunk_by_mut(|a, b| a.line == b.line) {
+    for face in pieces.chunk_by_mut(|a, b| a.place == b.place) {
         if face[0].is_against != Some(true) {
             continue;
         }
@@ -57,14 +61,15 @@ pub(super) fn turn_to_normals(pieces: &mut [Piece], orient: Orient, report: &mut
             let [a, b, c] = piece.surface.corners;
             piece.surface.corners = [a, c, b];
             report.turned += 1;
-            first.get_or_insert(piece.line);
+            first.get_or_insert(piece.place);
         }
     }
-    if let Some(line) = first {
+    if let Some(first) = first {
         report.warnings.push(format!(
-            "{} triangles, {percent:.0} percent of the area, were wound against the file's own normals (the first in line {line}) \
+            "{} triangles, {percent:.0} percent of the area, were wound against the file's own normals (the first in {}) \
              and are turned; --orient winding leaves them",
-            report.turned
+            report.turned,
+            place(first)
         ));
     }
 }
@@ -73,7 +78,7 @@ pub(super) fn turn_to_normals(pieces: &mut [Piece], orient: Orient, report: &mut
 fn corners_of(face: &[Piece]) -> Vec<Place> {
     let mut corners: Vec<Place> = face
         .iter()
-        .flat_map(|piece| piece.surface.corners.map(place))
+        .flat_map(|piece| piece.surface.corners.map(weld::place))
         .collect();
     corners.sort_unstable();
     corners.dedup();
@@ -88,13 +93,15 @@ fn normal_of(face: &[Piece]) -> DVec3 {
 
 /// Drops triangles where another one lies, facing the same way. Of those that differ in more, the brightest lamp stays, else
 /// the first by the names of material and object: the order of the file decides nothing.
-pub(super) fn drop_repeated(
-    pieces: &mut Vec<Piece>,
-    looks: &Looks,
-    objects: &[String],
-    triangles: usize,
-    report: &mut ImportReport,
-) {
+pub(super) fn drop_repeated(draft: &mut Draft, place: &dyn Fn(usize) -> String) {
+    let Draft {
+        pieces,
+        looks,
+        objects,
+        triangles,
+        report,
+        ..
+    } = draft;
     let rank = |index: usize| {
         let surface = &pieces[index].surface;
         let material = looks.get(surface.material);
@@ -134,10 +141,10 @@ pub(super) fn drop_repeated(
         String::new()
     };
     report.warnings.push(format!(
-        "{} of {triangles} triangles lie where another one lies, facing the same way, and are left out (the first in line {}, of object \
+        "{} of {triangles} triangles lie where another one lies, facing the same way, and are left out (the first in {}, of object \
          \"{}\"){others}",
         report.repeated_dropped,
-        pieces[first].line,
+        place(pieces[first].place),
         objects[pieces[first].surface.object.index()],
     ));
     let mut dropped = is_dropped.into_iter();
