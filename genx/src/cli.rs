@@ -56,10 +56,15 @@ Models:
   FILE.obj triangles and polygons of a Wavefront OBJ file; Kd of its MTL file is the
            reflectance, Ke the emission (exitance, W/m^2), map_Kd a texture of which each
            triangle has the mean; polygons are fanned, concave ones cut so that nothing overlaps
+  FILE.glb, FILE.gltf
+           triangles of a glTF 2.0 file: the base colour and its texture are the reflectance, the
+           emissive factor times pi the emission; a small sphere stands in for each point light
+
+FILE is any of these files.
 
 REFLECTANCE replaces the colours by one grey: of all surfaces in models 1 to 3 and furnace, of all
-materials that do not emit in cornell and FILE.obj. LIGHT_POWER is the exitance of every lamp in
-models 1 to 3 and of every wall in furnace; in cornell and FILE.obj all emission is scaled so that
+materials that do not emit in cornell and FILE. LIGHT_POWER is the exitance of every lamp in
+models 1 to 3 and of every wall in furnace; in cornell and FILE all emission is scaled so that
 the brightest channel of the brightest emitter is LIGHT_POWER.
 
 Defaults:
@@ -69,18 +74,20 @@ Defaults:
   3         0.05            0.7                   1000
   cornell   0.001           as published          as published (57.76, 43.94, 21.22)
   furnace   0.04            0.5                   1
-  FILE.obj  area / 4000     as in the file        as in the file
+  FILE      area / 4000     as in the file        as in the file
 
 Examples:
   genx cube.rad 1 2.5 0.15 100000       the thesis's example
   genx hall.rad 2 --max-area 1          a finer hall in its own colours
   genx box.rad cornell
   genx mine.rad mine.obj --max-area inf one patch for each triangle of the file
+  genx mine.rad mine.glb --light-radius 0.05
+                                        a glTF file with larger lamps
   genx mine.rad mine.obj --list         the names of its objects and materials
   genx mine.rad mine.obj --light Lamp=50,45,40 --reflectance Wall=0.8
                                         light and paint for what has these names";
 
-/// Makes a scene for `compute` to solve: a test model, or an OBJ file.
+/// Makes a scene for `compute` to solve: a test model, or an OBJ or glTF file.
 ///
 /// Surfaces are bisected until no patch is larger than the area threshold. What was made is
 /// printed; what deserves a second look goes to standard error. Exit codes: 0 done, 1 failed, 2
@@ -94,7 +101,7 @@ Examples:
 struct Arguments {
     /// File to write; replaced whole, or on errors left as it was
     out: PathBuf,
-    /// 1, 2, 3, cornell, furnace or FILE.obj
+    /// 1, 2, 3, cornell, furnace, FILE.obj, FILE.gltf or FILE.glb
     model: OsString,
     /// Largest area of a patch, m^2; inf keeps each triangle as one patch
     area_threshold: Option<f64>,
@@ -105,14 +112,14 @@ struct Arguments {
     /// The same as AREA_THRESHOLD, with the model's own reflectances and lamps
     #[arg(long, value_name = "A")]
     max_area: Option<f64>,
-    /// The largest reflectance that FILE.obj may have; without it, what is 1 or more is taken as 0.95, and all else as it is
+    /// The largest reflectance that FILE may have; without it, what is 1 or more is taken as 0.95, and all else as it is
     #[arg(long, value_name = "R")]
     max_reflectance: Option<f32>,
-    /// Which side of a face of FILE.obj is its front: auto (as it is wound, but faces of a minority that is wound against
+    /// Which side of a face of FILE is its front: auto (as it is wound, but faces of a minority that is wound against
     /// the file's own normals are turned), normals, or winding
     #[arg(long, default_value = "auto", value_parser = ORIENTS.map(|(name, _)| name))]
     orient: String,
-    /// What the coordinates of FILE.obj are: m, cm, mm, in or ft; areas and powers are in m^2 and W all the same [default: m]
+    /// What the coordinates of FILE are: m, cm, mm, in or ft; areas and powers are in m^2 and W all the same [default: m]
     #[arg(long, value_name = "UNIT", value_parser = UNITS.map(|(name, _)| name))]
     unit: Option<String>,
     /// The axis that points up, for pictures: x, y or z; else guessed
@@ -127,7 +134,10 @@ struct Arguments {
     /// Let all surfaces of a material or an object emit this power together, W
     #[arg(long = "light-power", value_name = "NAME=W", value_parser = named_colour)]
     light_power_of: Vec<(String, Rgb)>,
-    /// Where faces of FILE.obj overlap in one plane, as a lamp in a ceiling: on (they are cut, and the lamp or the smaller thing
+    /// Radius of the bodies that stand in for lights without extent in a glTF file, m [default: 0.01]
+    #[arg(long, value_name = "R")]
+    light_radius: Option<f64>,
+    /// Where faces of FILE overlap in one plane, as a lamp in a ceiling: on (they are cut, and the lamp or the smaller thing
     /// stays), off, or report (it is only told)
     #[arg(long, default_value = "on", value_parser = CUTS.map(|(name, _)| name))]
     cut: String,
@@ -220,6 +230,7 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Request, S
         orient: meaning(&ORIENTS, Some(&arguments.orient)).unwrap_or_default(),
         unit: meaning(&UNITS, arguments.unit.as_ref()),
         up: meaning(&UPS, arguments.up.as_ref()),
+        light_radius: arguments.light_radius,
         cut: meaning(&CUTS, Some(&arguments.cut)).unwrap_or_default(),
         changes: [
             changes(arguments.reflectance_of, Look::Reflectance),
@@ -231,7 +242,7 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Request, S
         .concat(),
     };
     settings.validate().map_err(|e| invalid(&e))?;
-    if let Model::Obj(input) = &settings.model
+    if let Model::File { path: input, .. } = &settings.model
         && is_same_file(input, &arguments.out)
     {
         return Err(invalid(&format!(

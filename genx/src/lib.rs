@@ -1,4 +1,4 @@
-//! Scenes to solve: the thesis's three models, the Cornell box, a furnace, and any OBJ file.
+//! Scenes to solve: the thesis's three models, the Cornell box, a furnace, and any OBJ or glTF file.
 //!
 //! [`make`] turns [`Settings`] into a [`scene::Scene`]. A model is a few *surfaces*, triangles whose
 //! longest side is at most twice their shortest; the area threshold then decides how many patches
@@ -18,7 +18,7 @@ mod settings;
 pub use changes::{Change, Look, UnknownName};
 pub use extent::FarAway;
 pub use models::make;
-pub use settings::{Model, Settings, SettingsError, UnknownModel};
+pub use settings::{Format, Model, Settings, SettingsError, UnknownModel};
 
 /// What [`make`] made.
 #[derive(Clone, Debug)]
@@ -33,7 +33,7 @@ pub struct Made {
     pub files: Vec<std::path::PathBuf>,
 }
 
-/// What an OBJ file held.
+/// What a file held.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Imported {
     /// Faces in the file, of any number of corners.
@@ -51,6 +51,9 @@ pub enum GenxError {
     /// The OBJ file cannot be used.
     #[error(transparent)]
     Obj(#[from] scene::obj::ObjError),
+    /// The glTF file cannot be used.
+    #[error(transparent)]
+    Gltf(#[from] scene::gltf::GltfError),
     /// Something lies so far away that nothing else is where it should be.
     #[error(transparent)]
     FarAway(#[from] FarAway),

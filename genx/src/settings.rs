@@ -22,14 +22,40 @@ pub enum Model {
     Cornell,
     /// "furnace": a closed box whose walls all emit and reflect alike.
     Furnace,
-    /// Triangles and polygons of an OBJ file.
-    Obj(PathBuf),
+    /// Triangles and polygons of a file.
+    File {
+        /// What it is.
+        format: Format,
+        /// Where it is.
+        path: PathBuf,
+    },
+}
+
+/// Formats of files that models come in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Wavefront OBJ.
+    Obj,
+    /// glTF 2.0, as JSON or binary.
+    Gltf,
+}
+
+impl Format {
+    /// The format of a file, by the end of its name in any case.
+    pub fn of(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        match &extension[..] {
+            "obj" => Some(Self::Obj),
+            "gltf" | "glb" => Some(Self::Gltf),
+            _ => None,
+        }
+    }
 }
 
 /// A MODEL that names nothing.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "model \"{}\" is unknown; choose 1, 2, 3, cornell, furnace or a file whose name ends in .obj", name.display()
+    "model \"{}\" is unknown; choose 1, 2, 3, cornell, furnace or a file whose name ends in .obj, .gltf or .glb", name.display()
 )]
 pub struct UnknownModel {
     name: PathBuf,
@@ -38,7 +64,7 @@ pub struct UnknownModel {
 impl TryFrom<&OsStr> for Model {
     type Error = UnknownModel;
 
-    /// Names as on the command line. Whether an OBJ file exists is not looked at.
+    /// Names as on the command line. Whether a file exists is not looked at.
     fn try_from(name: &OsStr) -> Result<Self, UnknownModel> {
         let path = Path::new(name);
         match name.to_str() {
@@ -47,15 +73,15 @@ impl TryFrom<&OsStr> for Model {
             Some("3") => Ok(Self::Bend),
             Some("cornell") => Ok(Self::Cornell),
             Some("furnace") => Ok(Self::Furnace),
-            _ if path
-                .extension()
-                .is_some_and(|extension| extension.eq_ignore_ascii_case("obj")) =>
-            {
-                Ok(Self::Obj(path.to_owned()))
-            }
-            _ => Err(UnknownModel {
-                name: path.to_owned(),
-            }),
+            _ => match Format::of(path) {
+                Some(format) => Ok(Self::File {
+                    format,
+                    path: path.to_owned(),
+                }),
+                None => Err(UnknownModel {
+                    name: path.to_owned(),
+                }),
+            },
         }
     }
 }
@@ -68,21 +94,24 @@ pub struct Settings {
     /// The largest area a patch may have, m^2, above 0; infinity keeps each surface as one patch.
     pub max_area: Option<f64>,
     /// Reflectance, dimensionless, in [0, 1): of every material without emission in `Cornell` and
-    /// `Obj`, of every surface elsewhere. It replaces colours by grey.
+    /// `File`, of every surface elsewhere. It replaces colours by grey.
     pub reflectance: Option<f32>,
-    /// Exitance of the lamps, W/m^2, finite and at least 0. `Cornell` and `Obj` keep the ratios of
+    /// Exitance of the lamps, W/m^2, finite and at least 0. `Cornell` and `File` keep the ratios of
     /// their emissions and scale the brightest channel of the brightest one to this; elsewhere
     /// every lamp emits this in each channel.
     pub light_power: Option<f32>,
-    /// The largest reflectance of `Obj`'s materials, dimensionless, in [0, 1), see [`ImportOptions`].
+    /// The largest reflectance of a `File`'s materials, dimensionless, in [0, 1), see [`ImportOptions`].
     pub max_reflectance: Option<f32>,
-    /// Which side of `Obj`'s faces is their front.
+    /// Which side of a `File`'s faces is their front.
     pub orient: Orient,
-    /// What one is in the coordinates of `Obj`, metres, finite and above 0.
+    /// What one is in the coordinates of a `File`, metres, finite and above 0.
     pub unit: Option<f64>,
     /// The axis of the model that points up.
     pub up: Option<Axis>,
-    /// What is done where faces of `Obj` overlap in one plane.
+    /// The radius of the bodies that stand in for a `File`'s lights without extent, metres, finite and above 0, see
+    /// [`ImportOptions`].
+    pub light_radius: Option<f64>,
+    /// What is done where faces of a `File` overlap in one plane.
     pub cut: Cut,
     /// What materials and objects are given by name, after all else.
     pub changes: Vec<Change>,
@@ -104,6 +133,8 @@ pub enum SettingsError {
         "--max-reflectance {value} is outside [0, 1); a surface cannot reflect all it receives"
     )]
     MaxReflectance { value: f32 },
+    #[error("--light-radius {value} m is not a finite number above 0")]
+    LightRadius { value: f64 },
     #[error(
         "--reflectance \"{name}\": {value} is outside [0, 1); a surface cannot reflect all it receives"
     )]
@@ -124,18 +155,20 @@ impl Settings {
             orient: Orient::Auto,
             unit: None,
             up: None,
+            light_radius: None,
             cut: Cut::On,
             changes: Vec::new(),
         }
     }
 
-    /// How an OBJ file is to be taken.
+    /// How a file is to be taken.
     pub fn import(&self) -> ImportOptions {
         ImportOptions {
             reflectance: self.reflectance,
             max_reflectance: self.max_reflectance,
             orient: self.orient,
             axes: self.axes(),
+            light_radius: self.light_radius,
         }
     }
 
@@ -168,6 +201,11 @@ impl Settings {
             && !(0.0..1.0).contains(&value)
         {
             return Err(SettingsError::MaxReflectance { value });
+        }
+        if let Some(value) = self.light_radius
+            && !(value > 0.0 && value.is_finite())
+        {
+            return Err(SettingsError::LightRadius { value });
         }
         for Change { name, to } in &self.changes {
             let name = || name.clone();

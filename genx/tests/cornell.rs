@@ -6,7 +6,7 @@ mod common;
 use std::path::PathBuf;
 
 use common::{Random, contains};
-use genx::{Model, Settings, make};
+use genx::{Format, Model, Settings, make};
 use scene::{Material, Rgb, Scene, Surface};
 
 /// Corners are rounded to f32, by 2^-25 m below 1 m; both models are, in each of three coordinates,
@@ -21,7 +21,10 @@ fn made(model: Model) -> Scene {
 
 fn published() -> Scene {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/cornell_coarse.obj");
-    let scene = made(Model::Obj(path));
+    let scene = made(Model::File {
+        format: Format::Obj,
+        path,
+    });
     assert_eq!(scene.origin(), glam::DVec3::ZERO);
     scene
 }

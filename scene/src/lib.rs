@@ -12,6 +12,7 @@ pub mod bisection;
 mod error;
 pub mod export;
 pub mod file;
+pub mod gltf;
 mod ids;
 pub mod import;
 mod material;

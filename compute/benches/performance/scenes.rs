@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use genx::{Model, Settings};
+use genx::{Format, Model, Settings};
 use glam::{DVec3, Quat, Vec3};
 use scene::{Material, MaterialId, ObjectId, Rgb, Scene, Surface};
 
@@ -17,7 +17,9 @@ pub fn model(model: Model, max_area: f64) -> anyhow::Result<Scene> {
 
 /// A file's triangles, each one patch.
 pub fn obj(path: &Path) -> anyhow::Result<Scene> {
-    model(Model::Obj(path.to_owned()), f64::INFINITY)
+    let format = Format::Obj;
+    let path = path.to_owned();
+    model(Model::File { format, path }, f64::INFINITY)
 }
 
 /// Width of the box of [`tetrahedra`], metres.

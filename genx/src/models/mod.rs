@@ -4,9 +4,9 @@ mod bend;
 mod cornell;
 mod cornell_mesh;
 mod cube;
+mod file;
 mod furnace;
 mod hall;
-mod obj;
 
 use scene::{Material, ModelAxes, Rgb};
 
@@ -23,7 +23,7 @@ const DEFAULT_LIGHT_POWER: f32 = 1000.0;
 /// Makes what the settings ask for.
 ///
 /// # Errors
-/// Settings outside their ranges, an OBJ file that cannot be used, or more patches than a scene
+/// Settings outside their ranges, a file that cannot be used, or more patches than a scene
 /// can have.
 pub fn make(settings: &Settings) -> Result<Made, GenxError> {
     settings.validate()?;
@@ -33,7 +33,7 @@ pub fn make(settings: &Settings) -> Result<Made, GenxError> {
         Model::Bend => generated(bend::build(settings), bend::MAX_AREA, settings)?,
         Model::Cornell => generated(cornell::build(settings), cornell::MAX_AREA, settings)?,
         Model::Furnace => generated(furnace::build(settings), furnace::MAX_AREA, settings)?,
-        Model::Obj(path) => obj::import(path, settings)?,
+        Model::File { format, path } => file::import(*format, path, settings)?,
     };
     if made.scene.emitted_power().max_element() <= 0.0 {
         made.warnings.push(

@@ -65,6 +65,9 @@ pub struct ImportOptions {
     pub orient: Orient,
     /// What the file's coordinates are.
     pub axes: ModelAxes,
+    /// The radius of the bodies that stand in for lights without extent, metres, finite and above 0; where it is not given,
+    /// 0.01. OBJ files have no such lights.
+    pub light_radius: Option<f64>,
 }
 
 /// Which side of a face is its front.

@@ -6,21 +6,41 @@ use glam::{DVec3, Vec3};
 /// do not change their grid, and with it the origin, by rounding. Tuned: any odd ratio serves.
 const EXTENT_MARGIN: f64 = 1.1;
 
-/// The middle of the bounding box, rounded as the module's documentation says.
-pub(crate) fn origin_of(positions: impl Iterator<Item = DVec3>) -> DVec3 {
-    let (low, high) = positions.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
-        (low.min(p), high.max(p))
-    });
-    let grid = (EXTENT_MARGIN * (high - low).max_element())
-        .log2()
-        .ceil()
-        .exp2();
-    let origin = ((0.5 * low + 0.5 * high) / grid).round() * grid;
-    // Not finite only for extents of zero, or beyond f32, where an error follows.
-    if origin.is_finite() {
-        origin + DVec3::ZERO // no negative zeros
-    } else {
-        DVec3::ZERO
+/// The bounding box of a model's positions, metres.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bounds {
+    low: DVec3,
+    high: DVec3,
+}
+
+impl Bounds {
+    pub(crate) const NOTHING: Self = Self {
+        low: DVec3::INFINITY,
+        high: DVec3::NEG_INFINITY,
+    };
+
+    #[must_use]
+    pub(crate) fn with(self, position: DVec3) -> Self {
+        Self {
+            low: self.low.min(position),
+            high: self.high.max(position),
+        }
+    }
+
+    /// The middle, rounded as the module's documentation says.
+    pub(crate) fn origin(self) -> DVec3 {
+        let Self { low, high } = self;
+        let grid = (EXTENT_MARGIN * (high - low).max_element())
+            .log2()
+            .ceil()
+            .exp2();
+        let origin = ((0.5 * low + 0.5 * high) / grid).round() * grid;
+        // Not finite only for extents of zero, or beyond f32, where an error follows.
+        if origin.is_finite() {
+            origin + DVec3::ZERO // no negative zeros
+        } else {
+            DVec3::ZERO
+        }
     }
 }
 

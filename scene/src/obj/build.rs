@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 use super::mtl::TERMS;
 use super::screen::{Face, Screened, Used};
 use super::{ObjFault, polygon};
-use crate::import::origin::{Overflow, centred, origin_of};
+use crate::import::origin::{Bounds, Overflow, centred};
 use crate::import::{Draft, ImportOptions, ImportReport, ImportedModel, Looks, Piece, Taken};
 use crate::{ObjectId, Surface};
 
@@ -23,7 +23,10 @@ pub(super) fn build(
 ) -> Result<ImportedModel, ObjFault> {
     let models = screened.parse().map_err(ObjFault::Parser)?;
     let positions = positions_of(&models, options.axes.unit);
-    let origin = origin_of(positions.iter().flatten().copied());
+    let all = positions.iter().flatten();
+    let origin = all
+        .fold(Bounds::NOTHING, |bounds, &p| bounds.with(p))
+        .origin();
 
     let looks = Looks::new(materials, options, TERMS);
     let mut draft = Draft {

@@ -2,6 +2,7 @@
 #![allow(dead_code)] // each test binary uses a part
 
 pub mod damage;
+pub mod gltf;
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! Import of OBJ files.
+//! Import of files.
 
 use std::path::Path;
 
@@ -7,15 +7,19 @@ use scene::Surface;
 
 use super::override_materials;
 use crate::changes::Parts;
-use crate::{GenxError, Imported, Made, Settings};
+use crate::{Format, GenxError, Imported, Made, Settings};
 use crate::{cut, extent};
 
 /// The default area threshold is the model's area over this: at least so many patches, enough to
 /// show light and shadow in a small model, and no change to one that is finer already.
 const DEFAULT_PATCHES: f64 = 4000.0;
 
-pub fn import(path: &Path, settings: &Settings) -> Result<Made, GenxError> {
-    let mut model = scene::obj::load_with(path, &settings.import())?;
+pub fn import(format: Format, path: &Path, settings: &Settings) -> Result<Made, GenxError> {
+    let options = settings.import();
+    let mut model = match format {
+        Format::Obj => scene::obj::load_with(path, &options)?,
+        Format::Gltf => scene::gltf::load_with(path, &options)?,
+    };
     override_materials(&mut model.materials, settings);
     let mut parts = Parts {
         materials: &mut model.materials,
