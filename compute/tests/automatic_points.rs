@@ -148,9 +148,9 @@ fn only_the_rim_of_a_gap_needs_many_points() {
             .iter()
             .any(|p| p.x.min(p.y).min(1.0 - p.x).min(1.0 - p.y) <= 0.0);
         if is_rim {
-            rim.push(count)
+            rim.push(count);
         } else {
-            middle.push(count)
+            middle.push(count);
         }
     }
     let mean = |counts: &[u32]| f64::from(counts.iter().sum::<u32>()) / counts.len() as f64;

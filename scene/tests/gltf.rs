@@ -56,13 +56,10 @@ fn triangles(model: &ImportedModel) -> Vec<[DVec3; 3]> {
 
 #[test]
 fn a_cube_is_the_same_as_obj_and_in_all_containers() {
-    let mut obj = String::from("mtllib a.mtl\no cube\nusemtl paint\n");
-    for [x, y, z] in CORNERS {
-        obj += &format!("v {x} {y} {z}\n");
-    }
-    for [a, b, c] in FACES.map(|face| face.map(|corner| corner + 1)) {
-        obj += &format!("f {a} {b} {c}\n");
-    }
+    let vertices = CORNERS.map(|[x, y, z]| format!("v {x} {y} {z}\n"));
+    let faces = FACES.map(|[a, b, c]| format!("f {} {} {}\n", a + 1, b + 1, c + 1));
+    let (vertices, faces) = (vertices.concat(), faces.concat());
+    let obj = format!("mtllib a.mtl\no cube\nusemtl paint\n{vertices}{faces}");
     let folder = folder();
     write(&folder, "a.mtl", "newmtl paint\nKd 0.2 0.4 0.6\n");
     let expected = scene::obj::load(&write(&folder, "a.obj", obj)).unwrap();

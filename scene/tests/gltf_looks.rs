@@ -338,7 +338,7 @@ fn pictures_that_cannot_be_had_are_told_once_and_leave_the_factor() {
 }
 
 /// The square, and a light one metre above it.
-fn lit(light: Value) -> Gltf {
+fn lit(light: &Value) -> Gltf {
     let mut gltf = square(painted([0.5; 4]));
     gltf.json["extensionsUsed"] = json!(["KHR_lights_punctual"]);
     gltf.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [light]}});
@@ -367,8 +367,9 @@ const ROUNDING: f64 = 4.0 * f32::EPSILON as f64 / 0.01;
 #[test]
 fn a_point_light_is_a_sphere_of_power_4_pi_times_its_intensity() {
     for radius in [None, Some(0.1)] {
-        let gltf =
-            lit(json!({"type": "point", "intensity": 7, "color": [1, 0.5, 0], "extras": {"a": 1}}));
+        let gltf = lit(
+            &json!({"type": "point", "intensity": 7, "color": [1, 0.5, 0], "extras": {"a": 1}}),
+        );
         let options = ImportOptions {
             light_radius: radius,
             ..ImportOptions::default()
@@ -401,7 +402,7 @@ fn a_point_light_is_a_sphere_of_power_4_pi_times_its_intensity() {
 
 #[test]
 fn a_spot_light_is_a_disc_with_its_intensity_on_the_axis() {
-    let mut gltf = lit(json!({"type": "spot", "intensity": 3, "spot": {"outerConeAngle": 0.5}}));
+    let mut gltf = lit(&json!({"type": "spot", "intensity": 3, "spot": {"outerConeAngle": 0.5}}));
     // A quarter turn about x points its axis, -z, at +y.
     let half = 0.5f64.sqrt();
     gltf.json["nodes"][1]["rotation"] = json!([half, 0, 0, half]);
@@ -428,7 +429,7 @@ fn lights_that_nothing_can_stand_in_for_are_named() {
             "without intensity are left out: \"bulb\"",
         ),
     ] {
-        let model = lit(light).load();
+        let model = lit(&light).load();
         assert_eq!(model.surfaces.len(), 2);
         assert!(told(&model, words), "{:?}", model.report);
     }

@@ -27,7 +27,7 @@ use gltf::json::validation::Checked;
 use super::GltfFault;
 use super::document::Document;
 use super::error::wrong;
-use super::nodes::{Placed, thing};
+use super::nodes::Placed;
 use crate::import::ImportOptions;
 use crate::{Material, Rgb};
 
@@ -67,7 +67,7 @@ pub(super) fn bodies(
         let name = name.unwrap_or_else(|| format!("node {}", placed.index));
         let exitance = exitance(light, radius).ok_or_else(|| {
             wrong(
-                thing(placed.index, placed.node),
+                placed.thing(),
                 format!(
                     "its light has intensity {} and colour {:?}, which make no exitance (finite, >= 0) of a body of radius {radius} m",
                     light.intensity, light.color
@@ -89,7 +89,7 @@ pub(super) fn bodies(
                 let axis = placed.model_from_node.transform_vector3(DVec3::NEG_Z);
                 let axis = axis.try_normalize().ok_or_else(|| {
                     wrong(
-                        thing(placed.index, placed.node),
+                        placed.thing(),
                         "its transform leaves its spot light no direction",
                     )
                 })?;

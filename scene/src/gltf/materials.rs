@@ -153,14 +153,10 @@ impl<'a> Materials<'a> {
             };
             Ok((Some(textured), Some(mapping)))
         };
-        let (of_emission, emission_mapping) = match material.is_emitter() {
-            true => textured(
-                described.emissive_texture.as_ref(),
-                material.emission,
-                "emissiveTexture",
-            )?,
-            false => (None, None),
-        };
+        let emissive = described.emissive_texture.as_ref();
+        let emissive = emissive.filter(|_| material.is_emitter());
+        let (of_emission, emission_mapping) =
+            textured(emissive, material.emission, "emissiveTexture")?;
         let mut of_reflectance = (None, None);
         match self.options.reflectance.filter(|_| !material.is_emitter()) {
             Some(grey) => material.reflectance = Rgb::splat(grey),
@@ -217,13 +213,12 @@ struct Colour<'a> {
 
 impl<'a> Colour<'a> {
     fn of(described: &'a Described) -> Self {
-        let ([r, g, b, alpha], texture) = match specular_glossiness(described) {
-            Some(other) => (other.diffuse_factor.0, &other.diffuse_texture),
-            None => {
-                let metallic = &described.pbr_metallic_roughness;
-                (metallic.base_color_factor.0, &metallic.base_color_texture)
-            }
-        };
+        let metallic = &described.pbr_metallic_roughness;
+        let of_metallic = (metallic.base_color_factor.0, &metallic.base_color_texture);
+        let ([r, g, b, alpha], texture) = specular_glossiness(described)
+            .map_or(of_metallic, |other| {
+                (other.diffuse_factor.0, &other.diffuse_texture)
+            });
         Self {
             factor: Rgb::new(r, g, b),
             alpha,

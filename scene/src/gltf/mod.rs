@@ -29,6 +29,7 @@
 //! their bounds, element by element, so that no count in a file decides how much memory is taken.
 
 mod build;
+mod content;
 mod document;
 mod elements;
 mod error;

@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use glam::{DAffine3, DMat4, DQuat, DVec3};
+use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
 use gltf::json::scene::Node;
 use gltf::json::{Index, Root};
 
@@ -18,8 +18,14 @@ pub(super) struct Placed<'a> {
     pub model_from_node: DAffine3,
 }
 
-/// How errors and warnings call a node.
-pub(super) fn thing(index: usize, node: &Node) -> String {
+impl Placed<'_> {
+    /// How errors call it.
+    pub(super) fn thing(&self) -> String {
+        thing(self.index, self.node)
+    }
+}
+
+fn thing(index: usize, node: &Node) -> String {
     match &node.name {
         Some(name) => format!("nodes[{index}] \"{name}\""),
         None => format!("nodes[{index}]"),
@@ -94,7 +100,7 @@ fn parent_from_node(index: usize, node: &Node) -> Result<DAffine3, GltfFault> {
     let fail = |what: String| Err(wrong(thing(index, node), what));
     if let Some(matrix) = node.matrix {
         let matrix = DMat4::from_cols_array(&matrix.map(f64::from));
-        if matrix.row(3).to_array() != [0.0, 0.0, 0.0, 1.0] {
+        if matrix.row(3) != DVec4::W {
             let row = matrix.row(3);
             return fail(format!(
                 "the last row of its matrix is {row}, but has to be [0, 0, 0, 1]"
@@ -118,8 +124,8 @@ fn parent_from_node(index: usize, node: &Node) -> Result<DAffine3, GltfFault> {
 /// Names of objects, no two of which are equal.
 #[derive(Default)]
 pub(super) struct Names {
-    /// How many objects asked for a name.
-    asked: HashMap<String, usize>,
+    /// How many objects asked for a name, and the number that the next one gets.
+    asked: HashMap<String, [usize; 2]>,
     taken: HashSet<String>,
     /// Names that more than one object asked for.
     several: Vec<String>,
@@ -128,15 +134,15 @@ pub(super) struct Names {
 impl Names {
     /// A name for an object that asks for one.
     pub(super) fn name(&mut self, wanted: &str) -> String {
-        let asked = self.asked.entry(wanted.to_owned()).or_insert(0);
+        let [asked, next] = self.asked.entry(wanted.to_owned()).or_insert([0, 2]);
         *asked += 1;
         if *asked == 2 {
             self.several.push(wanted.to_owned());
         }
         let mut name = wanted.to_owned();
         while !self.taken.insert(name.clone()) {
-            name = format!("{wanted}.{}", (*asked).max(2));
-            *asked += 1;
+            name = format!("{wanted}.{next}");
+            *next += 1;
         }
         name
     }

@@ -54,7 +54,10 @@ fn data(rest: &str) -> Result<Vec<u8>, String> {
     let payload: Cow<[u8]> = percent_decode_str(payload).into();
     if kind.to_ascii_lowercase().ends_with(";base64") {
         let bytes = BASE64.decode(payload.trim_ascii());
-        bytes.map_err(|error| format!("its data URI is no base64: {error}"))
+        bytes.map_err(|error| {
+            let error = error.to_string();
+            format!("its data URI is no base64: {}", error.trim_end_matches('.'))
+        })
     } else {
         Ok(payload.into_owned())
     }

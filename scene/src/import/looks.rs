@@ -47,6 +47,9 @@ pub(crate) struct Textured {
 /// Texture coordinates of a triangle's corners, (0, 0) at the lower left of the picture.
 pub(crate) type Coordinates = [Option<DVec2>; 3];
 
+/// Bits of the means of the textures of reflectance and emission, where there are such.
+type Means = [Option<[u32; 3]>; 2];
+
 pub(crate) struct Looks {
     /// As the file has them; the first of `materials` are theirs.
     taken: Vec<Taken>,
@@ -56,7 +59,7 @@ pub(crate) struct Looks {
     textures: Textures,
     /// Materials with textures that some face has without texture coordinates.
     without_places: HashSet<usize>,
-    by_colour: HashMap<(usize, [Option<[u32; 3]>; 2]), MaterialId>,
+    by_colour: HashMap<(usize, Means), MaterialId>,
 }
 
 impl Looks {
