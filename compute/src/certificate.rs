@@ -12,10 +12,6 @@
 //! root mean square over the patches, by area, is the aggregated reciprocity error. Errors that both
 //! sides share, as in a symmetric scene, do not show.
 //!
-//! What sees backs for the most part and stays dark lies inside of a solid: the floor below a box sees nothing else, that below
-//! a column the ceiling above it too; what of a box is sunk in the floor sees that floor's back, and out. It has no part in
-//! means and errors.
-//!
 //! The backs of surfaces are black. A patch that sees one loses power to a leak or to wrong winding.
 //! Patches that no other patch sees, but by chance (the floor below a box, the bottom of the box) have no part in
 //! the exchange, whatever they see; they are left out of the shares of openings and of back faces.
@@ -25,14 +21,17 @@
 //! threads; each row counts once. Who is to blame is found by drawing a few hemicubes again.
 
 mod culprit;
+mod inside;
 
-use scene::{PatchId, Scene, Solution};
+use scene::{PatchId, Scene};
 use serde::Serialize;
 
 use crate::row_cache::RowCache;
 use crate::rows::UNITS_PER_ONE;
 use crate::sources::SourceId;
 use culprit::{Loss, culprit};
+
+pub use inside::inside;
 
 /// A scene looks closed when its patches see less than this of openings, dimensionless: a convex room's
 /// do when holes take less than this share of its walls, and what is left open on purpose is larger.
@@ -56,9 +55,6 @@ pub const IMBALANCE_TOLERANCE: f64 = 0.01;
 /// A patch of which others see less than this share of what it sees itself is seen by chance: by rays that
 /// meet a common edge of what hides it, which belongs to all that share it.
 const SEEN_BY_CHANCE: f64 = 1e-3;
-
-/// Relative residual from which on what is dark stays dark.
-const NEAR_ITS_END: f64 = 0.01;
 
 /// The most by which a patch's form factors and what it sees of openings and backs may miss 1, together,
 /// dimensionless. They are integers that do not miss it at all; this leaves room for rounding them a
@@ -131,33 +127,6 @@ pub struct Finding {
     pub worst_object: String,
     /// Share of its hemisphere, dimensionless.
     pub worst_share: f64,
-}
-
-/// The patches that lie inside of solids or behind walls: most of what they see is backs and openings, and they neither emit
-/// nor are lit, but by chance.
-/// `None` unless all rows of lit patches were drawn and the solution is near its end.
-pub fn inside(rows: &RowCache, solution: &Solution) -> Option<Vec<PatchId>> {
-    let scene = rows.sources().patches();
-    let all_drawn = rows.unseen().iter().flatten().count() as u32 == rows.lit_count();
-    let residual = solution.provenance.residuals.last();
-    if !all_drawn || residual.is_none_or(|&residual| residual > NEAR_ITS_END) {
-        return None;
-    }
-    let irradiance = |j: usize| f64::from(solution.irradiance[j].element_sum());
-    let areas = scene.patch_areas();
-    let received: f64 = (0..areas.len()).map(|j| areas[j] * irradiance(j)).sum();
-    let by_chance = SEEN_BY_CHANCE * received / areas.iter().sum::<f64>();
-    let emissions = scene.patch_emissions();
-    let is_inside = |&j: &usize| {
-        let sees_backs = rows.unseen()[j].is_some_and(|unseen| {
-            let [backs, open] = [unseen.back_face, unseen.open].map(f64::from);
-            let most = 0.5 * f64::from(UNITS_PER_ONE);
-            backs > SEEN_BY_CHANCE * most && backs + open > most
-        });
-        sees_backs && irradiance(j) <= by_chance && emissions[j].max_element() == 0.0
-    };
-    let inside = (0..areas.len()).filter(is_inside);
-    Some(inside.map(|j| PatchId(j as u32)).collect())
 }
 
 /// What the rows drawn so far certify, together with the solution's `imbalance` and last `residual`. `inside` is what
