@@ -135,7 +135,7 @@ fn nothing_near_needs_one_point() {
 
 /// Across a gap of a fiftieth of a patch only what lies at its rim needs many points; the view factor between unit squares at
 /// distance 1e-3 is 0.998006 (the closed form). What it lacks to 1, twice the gap, lies in a strip of the gap's width at the rim,
-/// of which points see two thirds or more.
+/// of which points see three quarters here; two thirds are asked for.
 #[test]
 fn only_the_rim_of_a_gap_needs_many_points() {
     let gap = 1e-3;

@@ -24,6 +24,20 @@ fn values_by_surface(scene: &Scene, value: impl Fn(usize) -> f32) -> Vec<Rgb> {
         .collect()
 }
 
+/// A square of side 1 at the origin, in the plane z = 0, each of its two triangles bisected so often.
+fn unit_square(depth: u32) -> Scene {
+    let mut builder = Builder::default();
+    let material = builder.material(0.5, 0.0);
+    let square = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [0.0, 1.0, 0.0],
+    ];
+    builder.quad(square, material, depth);
+    builder.scene()
+}
+
 #[test]
 fn uniform_furnace_is_as_smooth_as_flat() {
     let scene = closed_cube(5);
@@ -39,16 +53,7 @@ fn uniform_furnace_is_as_smooth_as_flat() {
 
 #[test]
 fn linear_field_is_reproduced_away_from_borders() {
-    let mut builder = Builder::default();
-    let material = builder.material(0.5, 0.0);
-    let square = [
-        [0.0, 0.0, 0.0],
-        [1.0, 0.0, 0.0],
-        [1.0, 1.0, 0.0],
-        [0.0, 1.0, 0.0],
-    ];
-    builder.quad(square, material, 8);
-    let scene = builder.scene();
+    let scene = unit_square(8);
     let field = |p: DVec3| (1.0 + 2.0 * p.x - 0.5 * p.y) as f32;
     let values: Vec<Rgb> = patches(&scene)
         .map(|p| Rgb::splat(field(scene.patch(p).centroid())))
@@ -75,16 +80,7 @@ fn linear_field_is_reproduced_away_from_borders() {
 /// Half of a square lies inside of a solid, and its values take no part in those around.
 #[test]
 fn what_lies_inside_of_solids_is_left_out() {
-    let mut builder = Builder::default();
-    let material = builder.material(0.5, 0.0);
-    let square = [
-        [0.0, 0.0, 0.0],
-        [1.0, 0.0, 0.0],
-        [1.0, 1.0, 0.0],
-        [0.0, 1.0, 0.0],
-    ];
-    builder.quad(square, material, 6);
-    let scene = builder.scene();
+    let scene = unit_square(6);
     let (inside, outside): (Vec<PatchId>, Vec<PatchId>) =
         patches(&scene).partition(|&p| scene.patch(p).centroid().x < 0.5);
     let mut values = vec![Rgb::ZERO; scene.patch_count() as usize];

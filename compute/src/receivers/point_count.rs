@@ -49,7 +49,8 @@ const LEAST_FORM_FACTOR: f64 = 2e-3;
 /// Sum of the form factors' changes, relative to their sum, that is small enough.
 const SETTLED: f64 = 2e-2;
 
-/// Sum of the form factors' differences, relative to their sum, of rules that are as good as each other.
+/// Difference of a form factor, relative to it, by which rules are as good as each other; below `LEAST_FORM_FACTOR`, relative
+/// to that.
 const SAME: f64 = 5e-5;
 
 /// Radius of a triangle in distances of what faces it, at most.
