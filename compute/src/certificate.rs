@@ -22,6 +22,7 @@
 
 mod culprit;
 mod inside;
+mod openings;
 
 use scene::{PatchId, Scene};
 use serde::Serialize;
@@ -80,15 +81,17 @@ pub struct Certificate {
     /// Mean share of a hemisphere that sees nothing, by area, of the patches that are neither hidden nor inside of solids; null
     /// where no row was drawn.
     pub open_share: Option<f64>,
-    /// The same of back faces.
+    /// As much of it as openings that are meant may account for; null where none is.
+    pub meant_open_share: Option<f64>,
+    /// The same as `open_share` of back faces.
     pub back_face_share: Option<f64>,
-    /// Whether `open_share` is below [`LOOKS_CLOSED`].
+    /// Whether `open_share`, without what is meant, is below [`LOOKS_CLOSED`].
     pub looks_closed: Option<bool>,
     /// Largest |row sum + openings + back faces - 1| of a patch whose row was drawn, dimensionless.
     pub closure_error: f64,
     /// Null unless all rows were drawn, but for those of unlit patches.
     pub reciprocity: Option<Reciprocity>,
-    /// Openings of a scene that looks closed; null where there are none.
+    /// Openings of a scene that looks closed, without those that are meant; null where there are none.
     pub opening: Option<Finding>,
     /// Back faces that patches see; null where there are none.
     pub back_faces: Option<Finding>,
@@ -155,23 +158,28 @@ pub fn certify(
     };
     let counts = |j: usize| (!leave_out_hidden || is_seen(j)) && !is_inside(j);
 
-    let mean_share = |loss| {
+    let of_all = |loss| -> Shares { shares(rows, loss).filter(|&(j, _)| counts(j)).collect() };
+    let (open, back_faces) = (of_all(Loss::Opening), of_all(Loss::BackFaces));
+    let meant = openings::meant(rows);
+    let beyond = |&(j, share): &(usize, f64)| {
+        let meant = meant.as_ref().map_or(0.0, |meant| meant[j]);
+        (j, f64::max(share - meant, 0.0))
+    };
+    let unmeant: Shares = open.iter().map(beyond).collect();
+    let mean = |shares: &Shares| {
         let (mut lost, mut whole) = (0.0, 0.0);
-        for (j, share) in shares(rows, loss).filter(|&(j, _)| counts(j)) {
+        for &(j, share) in shares {
             lost += areas[j] * share;
             whole += areas[j];
         }
         (whole > 0.0).then(|| lost / whole)
     };
-    let open_share = mean_share(Loss::Opening);
-    let back_face_share = mean_share(Loss::BackFaces);
-    let looks_closed = open_share.map(|share| share < LOOKS_CLOSED);
+    let [open_share, unmeant_share, back_face_share] = [&open, &unmeant, &back_faces].map(mean);
+    let looks_closed = unmeant_share.map(|share| share < LOOKS_CLOSED);
 
-    let find = |loss, share: Option<f64>| {
+    let find = |loss, mut worst: Shares, share: Option<f64>| {
         let share = share.filter(|&share| share > 0.0)?;
-        let mut worst: Vec<(usize, f64)> = shares(rows, loss)
-            .filter(|&(j, share)| share > 0.0 && counts(j))
-            .collect();
+        worst.retain(|&(_, share)| share > 0.0);
         worst.sort_by(|(a, x), (b, y)| y.total_cmp(x).then(a.cmp(b)));
         let &(patch, worst_share) = worst.first()?;
         Some(Finding {
@@ -187,23 +195,27 @@ pub fn certify(
         hidden_patches: all_drawn.then_some(hidden),
         inside_patches: inside.map(|inside| inside.len() as u32),
         open_share,
+        meant_open_share: meant.and(open_share.zip(unmeant_share).map(|(all, un)| all - un)),
         back_face_share,
         looks_closed,
         closure_error: closure_error(rows),
         reciprocity: (all_drawn && lit > 0)
             .then(|| exchange.reciprocity(rows, inside.unwrap_or_default())),
         opening: if looks_closed == Some(true) {
-            find(Loss::Opening, open_share)
+            find(Loss::Opening, unmeant, unmeant_share)
         } else {
             None
         },
-        back_faces: find(Loss::BackFaces, back_face_share),
+        back_faces: find(Loss::BackFaces, back_faces, back_face_share),
         imbalance,
         violations: Vec::new(),
     };
     certificate.violations = certificate.violations(lit, residual);
     certificate
 }
+
+/// Patches and the shares of their hemispheres that they lose.
+type Shares = Vec<(usize, f64)>;
 
 /// The share of its hemisphere that each patch loses, of those whose row was drawn.
 fn shares(rows: &RowCache, loss: Loss) -> impl Iterator<Item = (usize, f64)> {
@@ -385,7 +397,10 @@ impl Certificate {
     pub fn summary(&self) -> String {
         let mut parts = Vec::new();
         if let Some(share) = self.open_share {
-            parts.push(format!("openings {}", percent(share)));
+            let meant = self
+                .meant_open_share
+                .map_or_else(String::new, |meant| format!(" ({} meant)", percent(meant)));
+            parts.push(format!("openings {}{meant}", percent(share)));
         }
         if let Some(share) = self.back_face_share {
             parts.push(format!("back faces {}", percent(share)));

@@ -7,7 +7,7 @@ use std::path::Path;
 use common::{PIXELS, folder_with, grid, walls};
 use common::{block, compute, folder, load, save, solve, stderr, stdout};
 use glam::Vec3;
-use scene::{State, Surface};
+use scene::{ObjectId, Opening, State, Surface};
 use serde_json::Value;
 
 fn turned(surface: &Surface) -> Surface {
@@ -152,6 +152,54 @@ fn a_missing_triangle_is_named() {
     let expected = 1.0 / 32.0 / (6.0 - 1.0 / 32.0);
     let share = certificate["open_share"].as_f64().unwrap();
     assert!((share / expected - 1.0).abs() < 0.1, "{share} {expected}");
+}
+
+/// The corners of a quarter of north, as two triangles, are taken out on purpose, whichever way they were wound: by
+/// reciprocity the mean share of the rest that sees them is 1/4 over its area, and none of it is held against the scene.
+#[test]
+fn openings_that_are_meant_pass() {
+    let mut walls = walls(Vec3::ONE);
+    walls[3].1 = grid(Vec3::ONE, -Vec3::X, -Vec3::Z, 4);
+    let window: Vec<Surface> = [0, 1, 4, 5]
+        .iter()
+        .flat_map(|&k| walls[3].1[2 * k..2 * k + 2].to_vec())
+        .collect();
+    walls[3].1.retain(|surface| !window.contains(surface));
+    let openings: Vec<Opening> = window
+        .iter()
+        .flat_map(|surface| [*surface, turned(surface)])
+        .map(|Surface { corners, .. }| Opening {
+            corners,
+            object: ObjectId(3),
+        })
+        .collect();
+    let with = |walls: &[(&str, Vec<Surface>)]| {
+        let scene = common::named(walls, 0.05).with_openings(openings.clone());
+        let folder = folder();
+        save(folder.path(), "in.rad", &scene.unwrap());
+        folder
+    };
+    let certificate = assert_passes(with(&walls).path(), &[]);
+    let share = |name: &str| certificate[name].as_f64().unwrap();
+    let expected = 0.25 / 5.75;
+    assert!((share("open_share") / expected - 1.0).abs() < 0.02);
+    assert_eq!(certificate["meant_open_share"], certificate["open_share"]);
+    assert_eq!(certificate["looks_closed"], true);
+    assert!(certificate["opening"].is_null(), "{certificate}");
+
+    // A triangle that is missing as well is told, and not the window that patches see more of.
+    let floor = grid(Vec3::ZERO, Vec3::X, Vec3::Y, 4);
+    walls[0].1 = floor[1..].to_vec();
+    let words = ["is an opening", "beside the surfaces of \"floor\""];
+    let certificate = assert_fails(with(&walls).path(), &[], &words);
+    let share = |name: &str| certificate[name].as_f64().unwrap();
+    let hole = 1.0 / 32.0 / (5.75 - 1.0 / 32.0);
+    let unmeant = share("open_share") - share("meant_open_share");
+    // What sees both is allowed a tenth more of the window than it sees, and some pixels.
+    assert!(
+        unmeant < hole && unmeant > 0.5 * hole,
+        "{unmeant} of {hole}"
+    );
 }
 
 #[test]

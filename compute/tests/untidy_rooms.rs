@@ -83,6 +83,7 @@ impl Room {
             faces: &mut faces,
             materials: &materials,
             objects: &objects,
+            opening: None,
         };
         put_in_order(model, Cut::On).unwrap();
         Scene::with_max_area(materials, objects, self.0, max_area, DVec3::ZERO).unwrap()

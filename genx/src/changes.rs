@@ -63,7 +63,7 @@ impl Parts<'_> {
     }
 
     /// Indices of the surfaces of a material or an object.
-    fn surfaces_of(&self, name: &str) -> Result<Vec<usize>, UnknownName> {
+    pub fn surfaces_of(&self, name: &str) -> Result<Vec<usize>, UnknownName> {
         let of_material = |s: &Surface| self.materials[s.material.index()].name == name;
         let of_object = |s: &Surface| self.objects[s.object.index()] == name;
         let all = |has: &dyn Fn(&Surface) -> bool| -> Vec<usize> {
@@ -87,7 +87,7 @@ impl Parts<'_> {
     }
 
     /// Gives surfaces a second one each, on their backs.
-    fn back(&mut self, surfaces: &[usize]) {
+    pub fn back(&mut self, surfaces: &[usize]) {
         for &k in surfaces {
             let Surface {
                 corners: [a, b, c], ..

@@ -147,6 +147,10 @@ struct Arguments {
     /// Give a material's or an object's faces fronts on both sides
     #[arg(long, value_name = "NAME")]
     two_sided: Vec<String>,
+    /// Take a material's or an object's faces out, as those of a window: light leaves there, and what cuts the same plane
+    /// below them goes too; compute --strict expects this hole and judges the rest
+    #[arg(long, value_name = "NAME")]
+    opening: Vec<String>,
     /// Print the objects and materials with their areas
     #[arg(long)]
     list: bool,
@@ -240,6 +244,7 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Request, S
             turns(arguments.two_sided, Look::TwoSided),
         ]
         .concat(),
+        openings: arguments.opening,
     };
     settings.validate().map_err(|e| invalid(&e))?;
     if let Model::File { path: input, .. } = &settings.model

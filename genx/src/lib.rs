@@ -13,6 +13,7 @@ pub mod cut;
 mod extent;
 mod grid;
 mod models;
+mod openings;
 mod settings;
 
 pub use changes::{Change, Look, UnknownName};

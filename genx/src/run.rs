@@ -1,13 +1,14 @@
 //! Making the scene, writing it, and saying what it is.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::bail;
 use genx::Made;
-use scene::Scene;
 use scene::file::{OutputLock, is_same_file};
+use scene::{ObjectId, Scene};
 
 use crate::cli::Request;
 use crate::list;
@@ -67,12 +68,28 @@ fn summary(out: &Path, made: &Made) -> String {
     let [low, high] = scene.bounds().map(glam::Vec3::as_dvec3);
     let glam::DVec3 { x, y, z } = high - low;
     line("extent", format!("{x} x {y} x {z} m"));
+    if !scene.openings().is_empty() {
+        let (area, names) = openings(scene);
+        line("openings", format!("{area} m^2, of {}", names.join(", ")));
+    }
     let power = scene.emitted_power();
     line(
         "emitted power",
         format!("{} {} {} W (red, green, blue)", power.x, power.y, power.z),
     );
     text
+}
+
+/// The area of what was taken out, m^2, and the names of the objects that it was part of, each in quotes, once.
+fn openings(scene: &Scene) -> (f64, Vec<String>) {
+    let openings = scene.openings().iter();
+    // Each has two sides.
+    let area = openings.clone().map(|opening| 0.5 * opening.area());
+    let objects: BTreeSet<u32> = openings.map(|opening| opening.object.0).collect();
+    let names = objects
+        .into_iter()
+        .map(|object| format!("{:?}", scene.object(ObjectId(object))));
+    (area.sum(), names.collect())
 }
 
 /// Smallest and largest area of a patch, m^2.

@@ -115,6 +115,8 @@ pub struct Settings {
     pub cut: Cut,
     /// What materials and objects are given by name, after all else.
     pub changes: Vec<Change>,
+    /// Materials and objects that are taken out, and whose holes are meant.
+    pub openings: Vec<String>,
 }
 
 /// A setting outside its range.
@@ -158,6 +160,7 @@ impl Settings {
             light_radius: None,
             cut: Cut::On,
             changes: Vec::new(),
+            openings: Vec::new(),
         }
     }
 

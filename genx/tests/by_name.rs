@@ -197,6 +197,48 @@ fn faces_are_turned_and_given_a_second_side_by_name() {
     assert!(message.contains("\"flor\""), "{message}");
 }
 
+/// As a sheet that faces in or out, as a sheet with both sides, and as a body.
+#[test]
+fn an_opening_is_taken_out_with_what_lies_below_it() {
+    let folder = folder();
+    let wall = "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nv 1 1 0\nv 2 1 0\nv 2 2 0\nv 1 2 0\n\
+        v 1 1 -1\nv 2 1 -1\nv 2 2 -1\nv 1 2 -1\no wall\nf 1 2 3 4\no window\n";
+    let body = "f 5 6 7 8\nf 12 11 10 9\nf 5 9 10 6\nf 6 10 11 7\nf 7 11 12 8\nf 8 12 9 5\n";
+    for (window, area) in [
+        ("f 5 6 7 8\n", 1.0),
+        ("f 8 7 6 5\n", 1.0),
+        ("f 5 6 7 8\nf 8 7 6 5\n", 1.0),
+        (body, 3.0),
+    ] {
+        std::fs::write(folder.path().join("m.obj"), format!("{wall}{window}")).unwrap();
+        let common = ["a.rad", "m.obj", "--max-area", "inf", "--opening", "window"];
+        let text = stdout(&make(&folder, &common));
+        let line = format!("openings       {area} m^2, of \"window\"\n");
+        assert!(text.contains(&line), "{text}");
+        let scene = load(&folder, "a.rad");
+        assert!((scene.area() - 15.0).abs() < 1e-6, "{window}");
+        let openings: f64 = scene.openings().iter().map(scene::Opening::area).sum();
+        assert!((openings - 2.0 * area).abs() < 1e-6, "{window}");
+        assert_eq!(scene.materials().len(), 1);
+        let is_window = |object| scene.object(object) == "window";
+        assert!(scene.openings().iter().all(|o| is_window(o.object)));
+        assert!(!scene.surfaces().iter().any(|s| is_window(s.object)));
+        // The wall's own two.
+        assert!(scene.faces().iter().all(|&face| face < 2));
+    }
+    // Models of the program have holes too.
+    make(&folder, &["a.rad", "1", "--opening", "lamp"]);
+    let scene = load(&folder, "a.rad");
+    assert!(scene.emitted_power().x <= 0.0);
+    let area: f64 = scene.openings().iter().map(scene::Opening::area).sum();
+    assert!((area - 2.0 * 2.5 * 2.5).abs() < 1e-6);
+    for (name, part) in [("windw", "\"windw\""), ("cube", "no surfaces")] {
+        let more = ["a.rad", "1", "--opening", "lamp", "--opening", name];
+        let message = failure(&folder, &more);
+        assert!(message.contains(part), "{message}");
+    }
+}
+
 #[test]
 fn overlaps_are_cut_told_or_left_as_is_asked_for() {
     let folder = folder();

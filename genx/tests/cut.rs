@@ -63,6 +63,7 @@ impl Plane {
             faces: &mut faces,
             materials: &materials,
             objects: &objects,
+            opening: None,
         };
         let told = put_in_order(model, Cut::On).unwrap();
         Cutted {
@@ -217,6 +218,7 @@ proptest! {
             faces: &mut cut.faces,
             materials: &[material.clone(), material],
             objects: &objects,
+            opening: None,
         };
         let told = put_in_order(model, Cut::On).unwrap();
         prop_assert!(told.is_empty(), "{told:?}");
@@ -271,6 +273,7 @@ fn what_does_not_overlap_keeps_its_bits() {
         faces: &mut faces,
         materials: scene.materials(),
         objects: scene.objects(),
+        opening: None,
     };
     assert!(put_in_order(model, Cut::On).unwrap().is_empty());
     assert_eq!((surfaces, faces), (before, faces_before));
@@ -326,6 +329,7 @@ fn faces_are_cut_where_others_stand_on_them_or_cross_them() {
                 faces: &mut faces,
                 materials: std::slice::from_ref(&material),
                 objects: &["floor".into(), "wall".into()],
+                opening: None,
             };
             let told = put_in_order(model, Cut::On).unwrap();
             assert_eq!(told.len(), 1, "{told:?}");
@@ -388,6 +392,7 @@ fn what_explodes_is_an_error_and_changes_nothing() {
             emission: Rgb::ZERO,
         }],
         objects: &["left".into(), "right".into()],
+        opening: None,
     };
     let error = put_in_order(model, Cut::On).unwrap_err().to_string();
     assert!(

@@ -64,6 +64,10 @@ pub enum SceneError {
     AreaThreshold { value: f64 },
     #[error("patch {patch} inside of a solid is none of {patches} patches in ascending order")]
     Inside { patch: u32, patches: u32 },
+    #[error(
+        "opening {opening} has a coordinate that is not finite, or an object that does not exist"
+    )]
+    Opening { opening: u32 },
     #[error("the solution's sources have {value} m^2 at most; it must be a finite number above 0")]
     SourceArea { value: f64 },
     #[error("the solution has {values} irradiances, the scene has {patches} patches")]

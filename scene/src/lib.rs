@@ -32,6 +32,6 @@ pub use ids::{MAX_PATCHES, MaterialId, NO_PATCH, ObjectId, PatchId, SurfaceId};
 pub use material::Material;
 pub use mesh::{Mesh, Tree};
 pub use recorded_settings::{Difference, Recorded, RecordedSettings};
-pub use scene::{Patch, Rgb, Scene};
+pub use scene::{Opening, Patch, Rgb, Scene};
 pub use solution::{Level, Provenance, Solution, State};
 pub use surface::Surface;

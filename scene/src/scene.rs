@@ -23,6 +23,24 @@ pub struct Scene {
     mesh: Mesh,
     /// Ascending.
     inside: Vec<PatchId>,
+    openings: Vec<Opening>,
+}
+
+/// A one-sided triangle that was taken out of a model on purpose: what looks through its front and sees nothing is meant to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Opening {
+    /// Corners in metres, relative to the scene's origin, counter-clockwise from the front.
+    pub corners: [Vec3; 3],
+    /// What it was part of.
+    pub object: ObjectId,
+}
+
+impl Opening {
+    /// Area, m^2.
+    pub fn area(&self) -> f64 {
+        let [p0, p1, p2] = self.corners.map(Vec3::as_dvec3);
+        0.5 * (p1 - p0).cross(p2 - p0).length()
+    }
 }
 
 /// The geometry of one patch.
@@ -116,6 +134,7 @@ impl Scene {
             axes: ModelAxes::default(),
             mesh,
             inside: Vec::new(),
+            openings: Vec::new(),
         })
     }
 
@@ -204,6 +223,23 @@ impl Scene {
         }
     }
 
+    /// The same scene, whose holes in these places are meant. Without this none is known to be.
+    ///
+    /// # Errors
+    /// Corners that are not finite, and objects that do not exist.
+    pub fn with_openings(self, openings: Vec<Opening>) -> Result<Self, SceneError> {
+        let is_wrong = |opening: &Opening| {
+            let is_finite = opening.corners.iter().all(|corner| corner.is_finite());
+            !is_finite || opening.object.index() >= self.objects.len()
+        };
+        match openings.iter().position(is_wrong) {
+            Some(opening) => Err(SceneError::Opening {
+                opening: opening as u32,
+            }),
+            None => Ok(Self { openings, ..self }),
+        }
+    }
+
     /// All materials.
     pub fn materials(&self) -> &[Material] {
         &self.materials
@@ -228,6 +264,11 @@ impl Scene {
     /// The patches that lie inside of solids, ascending, see [`Self::with_inside`].
     pub fn inside(&self) -> &[PatchId] {
         &self.inside
+    }
+
+    /// What was taken out of the model on purpose, see [`Self::with_openings`].
+    pub fn openings(&self) -> &[Opening] {
+        &self.openings
     }
 
     /// Whether each patch lies inside of a solid, one per patch.

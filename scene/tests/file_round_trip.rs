@@ -8,8 +8,8 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use scene::file::{from_bytes, load, save, to_bytes};
 use scene::{
-    Level, Material, MaterialId, ObjectId, PatchId, Provenance, RecordedSettings, Rgb, Scene,
-    Solution, State, Surface,
+    Level, Material, MaterialId, ObjectId, Opening, PatchId, Provenance, RecordedSettings, Rgb,
+    Scene, Solution, State, Surface,
 };
 
 /// Any f32 of a range of bit patterns: subnormals and extremes are as likely as the rest.
@@ -62,10 +62,17 @@ fn any_scene() -> impl Strategy<Value = Scene> {
             let faces = (7..).step_by(3).take(scene.surfaces().len());
             let inside = (0..scene.patch_count()).skip(1).step_by(3).map(PatchId);
             let inside = inside.collect();
+            let opening = |surface: &Surface| Opening {
+                corners: surface.corners,
+                object: surface.object,
+            };
+            let openings = scene.surfaces().iter().skip(1).map(opening).collect();
             scene
                 .with_faces(faces.collect())
                 .ok()?
                 .with_inside(inside)
+                .ok()?
+                .with_openings(openings)
                 .ok()
         })
 }

@@ -237,6 +237,26 @@ fn patches_inside_of_solids_are_some_of_the_scene_in_ascending_order() {
 }
 
 #[test]
+fn openings_have_finite_corners_and_objects_of_the_scene() {
+    let bytes = small_file();
+    let at = data(&bytes, "openings");
+    for (offset, wrong) in [
+        (0, f32::NAN.to_le_bytes()),
+        (32, f32::INFINITY.to_le_bytes()),
+        (36, 2_u32.to_le_bytes()),
+    ] {
+        let mut bytes = bytes.clone();
+        patch(&mut bytes, at + offset, &wrong);
+        let fault = fault_of(&seal(bytes));
+        let expected = SceneError::Opening { opening: 0 };
+        assert!(
+            matches!(&fault, FileFault::Scene(found) if *found == expected),
+            "{fault}"
+        );
+    }
+}
+
+#[test]
 fn damaged_names_are_errors() {
     let bytes = small_file();
     let names = data(&bytes, "names");

@@ -3,10 +3,12 @@
 //! The item buffers that rows are made of do not tell whose back a pixel sees, nor what an opening is a
 //! hole in. So the hemicubes of the few patches that lose most are drawn again, on the CPU: to blame is
 //! the object whose backs fill most of their view, or whose fronts border most of the pixels that see
-//! nothing.
+//! nothing, while what was taken out of the model on purpose is in its place again.
 
-use scene::{ObjectId, Scene, SurfaceId};
-use visibility::{Canvas, Sample, Viewer, hemicube};
+use std::sync::Arc;
+
+use scene::{MaterialId, ObjectId, Scene, Surface, SurfaceId};
+use visibility::{Canvas, Drawable, Sample, Viewer, hemicube};
 
 use crate::receivers::ReceiverId;
 use crate::row_cache::RowCache;
@@ -27,14 +29,19 @@ const MAX_PIXELS: usize = 1 << 23;
 /// The object that is to blame for what the `worst` patches, worst first, lose.
 pub(super) fn culprit(rows: &RowCache, loss: Loss, worst: &[(usize, f64)]) -> Option<String> {
     let hemicubes = rows.hemicubes();
-    let scene = hemicubes.sources().patches();
+    let shut = shut(hemicubes.sources().patches());
+    let drawable = match &shut {
+        Some(scene) => Arc::new(Drawable::new(scene)),
+        None => Arc::clone(hemicubes.drawable()),
+    };
+    let scene = drawable.scene();
     let resolution = hemicubes.resolution();
     let mut blame = Blame {
         scene,
         loss,
         shares: vec![0; scene.objects().len()],
     };
-    let mut viewer = Viewer::new(hemicubes.drawable());
+    let mut viewer = Viewer::new(&drawable);
     let mut canvas = Canvas::default();
     let mut pixels = 0;
     // To set a surface up takes a few times as long as to fill a pixel.
@@ -73,6 +80,24 @@ pub(super) fn culprit(rows: &RowCache, loss: Loss, worst: &[(usize, f64)]) -> Op
         .enumerate()
         .max_by_key(|&(object, &share)| (share, std::cmp::Reverse(object)))?;
     (most > 0).then(|| scene.object(ObjectId(object as u32)).to_owned())
+}
+
+/// The scene with what was taken out on purpose in its place again; `None` where that is nothing.
+fn shut(scene: &Scene) -> Option<Scene> {
+    if scene.openings().is_empty() {
+        return None;
+    }
+    let openings = scene.openings().iter().map(|opening| Surface {
+        corners: opening.corners,
+        material: MaterialId(0),
+        object: opening.object,
+    });
+    let mut surfaces = scene.surfaces().to_vec();
+    let mut depths: Vec<u32> = scene.mesh().trees().iter().map(|tree| tree.depth).collect();
+    surfaces.extend(openings);
+    depths.resize(surfaces.len(), 0);
+    let (materials, objects) = (scene.materials().to_vec(), scene.objects().to_vec());
+    Scene::new(materials, objects, surfaces, &depths, scene.origin()).ok()
 }
 
 /// Counts what objects have to do with a loss.

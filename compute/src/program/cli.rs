@@ -124,7 +124,8 @@ Examples:
   compute verify                                 how far off this program is where answers are known
 
 --strict fails beyond these, which the summary's line \"certificate\" and the report show in any run:
-  openings           1e-6 of what patches see, in a scene that looks closed (less than 2 percent open)
+  openings           1e-6 of what patches see, in a scene that looks closed (less than 2 percent open);
+                     what was taken out with genx --opening does not count
   back faces         0.1 percent of what patches see; patches that no other sees do not count
   power balance      1 percent of the emitted power, neither absorbed nor lost; falls with the residual
   reciprocity        5 percent rms between A_j sum F_ji and sum A_i F_ij; falls with --points, smaller patches

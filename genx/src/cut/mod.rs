@@ -9,7 +9,7 @@
 //! there.
 //!
 //! # Which one stays
-//! The one that a user means: a lamp before what does not emit, else the one whose coplanar, connected faces have the
+//! The one that a user means: an opening before all else, a lamp before what does not emit, else the one whose coplanar, connected faces have the
 //! smaller area (a rug before its floor), else the one whose corners come first by their coordinates. The order in the
 //! file decides nothing.
 //!
@@ -33,7 +33,7 @@ use std::collections::BTreeMap;
 use contacts::MOST_CONTACTS;
 use glam::DVec3;
 use groups::MOST_PAIRS;
-use scene::{Material, Surface};
+use scene::{Material, MaterialId, Surface};
 use snap::MOST_CROSSINGS;
 
 /// How far off a plane what lies in it may be, in steps of an f32 at the farthest coordinate of the model.
@@ -78,10 +78,12 @@ pub struct Model<'a> {
     pub materials: &'a [Material],
     /// All objects' names.
     pub objects: &'a [String],
+    /// The material of what will be taken out.
+    pub opening: Option<MaterialId>,
 }
 
 /// A face in its place among those that overlap: the least one stays.
-type Rank = (bool, i64, [scene::weld::Place; 3]);
+type Rank = ([bool; 2], i64, [scene::weld::Place; 3]);
 
 /// Cuts overlapping faces of one plane, as `cut` says, and tells of them, a line for each pair of objects.
 ///
@@ -115,7 +117,8 @@ pub fn put_in_order(mut model: Model, cut: Cut) -> Result<Vec<String>, TooMuchTo
     let rank = |k: usize| -> Rank {
         let surface = &model.surfaces[k];
         let is_dark = !model.materials[surface.material.index()].is_emitter();
-        (is_dark, areas[k].0, areas[k].1)
+        let is_filled = Some(surface.material) != model.opening;
+        ([is_filled, is_dark], areas[k].0, areas[k].1)
     };
     // What takes whose place, by objects, m^2.
     let mut taken: BTreeMap<[u32; 2], f64> = BTreeMap::new();

@@ -4,11 +4,12 @@ use std::path::Path;
 
 use glam::DVec3;
 use scene::Surface;
+use scene::import::ImportedModel;
 
 use super::override_materials;
 use crate::changes::Parts;
 use crate::{Format, GenxError, Imported, Made, Settings};
-use crate::{cut, extent};
+use crate::{cut, extent, openings};
 
 /// The default area threshold is the model's area over this: at least so many patches, enough to
 /// show light and shadow in a small model, and no change to one that is finer already.
@@ -21,22 +22,20 @@ pub fn import(format: Format, path: &Path, settings: &Settings) -> Result<Made, 
         Format::Gltf => scene::gltf::load_with(path, &options)?,
     };
     override_materials(&mut model.materials, settings);
-    let mut parts = Parts {
-        materials: &mut model.materials,
-        objects: &model.objects,
-        surfaces: &mut model.surfaces,
-        faces: Some(&mut model.faces),
-    };
+    let mut parts = parts_of(&mut model);
     parts.change(&settings.changes)?;
+    let opening = openings::mark(&mut parts, &settings.openings)?;
     let overlaps = cut::put_in_order(
         cut::Model {
             surfaces: &mut model.surfaces,
             faces: &mut model.faces,
             materials: &model.materials,
             objects: &model.objects,
+            opening,
         },
         settings.cut,
     )?;
+    let openings = openings::take_out(&mut parts_of(&mut model), opening);
     let max_area = settings.max_area.unwrap_or_else(|| {
         let area: f64 = model.surfaces.iter().map(Surface::area).sum();
         area / DEFAULT_PATCHES
@@ -44,7 +43,7 @@ pub fn import(format: Format, path: &Path, settings: &Settings) -> Result<Made, 
     let report = std::mem::take(&mut model.report);
     let mut files = std::mem::take(&mut model.files);
     files.push(path.to_owned());
-    let scene = model.into_scene(max_area)?;
+    let scene = model.into_scene(max_area)?.with_openings(openings)?;
     extent::check(&scene)?;
     let mut warnings = report.warnings;
     warnings.extend(overlaps);
@@ -66,4 +65,14 @@ pub fn import(format: Format, path: &Path, settings: &Settings) -> Result<Made, 
         }),
         files,
     })
+}
+
+/// What of a model may still change.
+fn parts_of(model: &mut ImportedModel) -> Parts<'_> {
+    Parts {
+        materials: &mut model.materials,
+        objects: &model.objects,
+        surfaces: &mut model.surfaces,
+        faces: Some(&mut model.faces),
+    }
 }

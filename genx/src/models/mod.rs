@@ -11,7 +11,7 @@ mod hall;
 use scene::{Material, ModelAxes, Rgb};
 
 use crate::builder::Builder;
-use crate::{GenxError, Made, Model, Settings};
+use crate::{GenxError, Made, Model, Settings, openings};
 
 /// Reflectance of the models that have no colours of their own, dimensionless.
 const DEFAULT_REFLECTANCE: f32 = 0.5;
@@ -45,8 +45,13 @@ pub fn make(settings: &Settings) -> Result<Made, GenxError> {
 }
 
 fn generated(mut builder: Builder, max_area: f64, settings: &Settings) -> Result<Made, GenxError> {
-    builder.parts().change(&settings.changes)?;
-    let scene = builder.finish(settings.max_area.unwrap_or(max_area))?;
+    let mut parts = builder.parts();
+    parts.change(&settings.changes)?;
+    let opening = openings::mark(&mut parts, &settings.openings)?;
+    let openings = openings::take_out(&mut parts, opening);
+    let scene = builder
+        .finish(settings.max_area.unwrap_or(max_area))?
+        .with_openings(openings)?;
     // The program's own models are in metres.
     let axes = ModelAxes {
         up: settings.up,

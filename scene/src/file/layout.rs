@@ -70,6 +70,8 @@ impl SectionName {
     pub const FACES: Self = Self::new("faces");
     /// u32 numbers of the patches inside of solids; not there where none is known.
     pub const INSIDE: Self = Self::new("inside");
+    /// [`OpeningRecord`]s; not there where none is known.
+    pub const OPENINGS: Self = Self::new("openings");
     /// JSON of [`crate::ModelAxes`]; not there where they are metres and nothing else is known.
     pub const AXES: Self = Self::new("axes");
     /// JSON of [`crate::Provenance`].
@@ -86,12 +88,13 @@ impl SectionName {
     pub const REMAINDER: Self = Self::new("remainder");
 
     /// All that this code knows.
-    const ALL: [Self; 12] = [
+    const ALL: [Self; 13] = [
         Self::NAMES,
         Self::MATERIALS,
         Self::SURFACES,
         Self::FACES,
         Self::INSIDE,
+        Self::OPENINGS,
         Self::AXES,
         Self::PROVENANCE,
         Self::IRRADIANCE,
@@ -164,4 +167,14 @@ pub struct SurfaceRecord {
     pub object: u32,
     /// Depth of the uniform bisection tree.
     pub bisections: u32,
+}
+
+/// A triangle that was taken out of the model on purpose.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct OpeningRecord {
+    /// Metres, relative to the origin.
+    pub corners: [[f32; 3]; 3],
+    /// Index.
+    pub object: u32,
 }

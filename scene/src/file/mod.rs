@@ -15,6 +15,7 @@
 //! | surfaces* | 9 f32: corners, metres; 3 u32: material, object, bisections | surfaces |
 //! | faces | u32: triangle of the imported file | surfaces |
 //! | inside | u32: patches inside of solids, ascending | as many as are known |
+//! | openings | 9 f32: corners, metres; u32: object; triangles taken out of the model on purpose | as many as are known |
 //! | provenance | JSON: [`crate::Provenance`] | bytes |
 //! | irradiance | 3 f32, W/m^2 | patches |
 //! | gathered | 3 f32, W/m^2 | patches done |

@@ -6,12 +6,12 @@ use std::path::Path;
 
 use glam::{DVec3, Vec3};
 
-use super::layout::{Header, MaterialRecord, Names, SectionName, SurfaceRecord};
+use super::layout::{Header, MaterialRecord, Names, OpeningRecord, SectionName, SurfaceRecord};
 use super::table::{Sections, structure};
 use super::{FileError, FileFault, version_1};
 use crate::{
-    Level, Material, MaterialId, ObjectId, PatchId, Provenance, Rgb, Scene, Solution, State,
-    Surface,
+    Level, Material, MaterialId, ObjectId, Opening, PatchId, Provenance, Rgb, Scene, Solution,
+    State, Surface,
 };
 
 /// Reads a scene and, where the file has one, its solution.
@@ -99,6 +99,13 @@ fn scene(sections: &Sections) -> Result<Scene, FileFault> {
     }
     if let Some(inside) = sections.records_if_any::<u32>(SectionName::INSIDE)? {
         scene = scene.with_inside(inside.into_iter().map(PatchId).collect())?;
+    }
+    if let Some(openings) = sections.records_if_any::<OpeningRecord>(SectionName::OPENINGS)? {
+        let openings = openings.into_iter().map(|record| Opening {
+            corners: record.corners.map(Vec3::from),
+            object: ObjectId(record.object),
+        });
+        scene = scene.with_openings(openings.collect())?;
     }
     Ok(match sections.records_if_any(SectionName::FACES)? {
         Some(faces) => scene.with_faces(faces)?,

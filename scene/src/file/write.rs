@@ -7,8 +7,8 @@ use bytemuck::Pod;
 use serde::Serialize;
 
 use super::layout::{
-    ALIGNMENT, Header, MAGIC, MaterialRecord, Names, REQUIRED, Section, SectionName, SurfaceRecord,
-    VERSION,
+    ALIGNMENT, Header, MAGIC, MaterialRecord, Names, OpeningRecord, REQUIRED, Section, SectionName,
+    SurfaceRecord, VERSION,
 };
 use super::{FileError, FileFault, table};
 use crate::{Level, ModelAxes, Scene, Solution, State};
@@ -139,6 +139,13 @@ pub fn to_bytes(scene: &Scene, solution: Option<&Solution>) -> Vec<u8> {
     if !scene.inside().is_empty() {
         let inside: Vec<u32> = scene.inside().iter().map(|patch| patch.0).collect();
         file.records(SectionName::INSIDE, 0, &inside);
+    }
+    if !scene.openings().is_empty() {
+        let openings = scene.openings().iter().map(|opening| OpeningRecord {
+            corners: opening.corners.map(Into::into),
+            object: opening.object.0,
+        });
+        file.records(SectionName::OPENINGS, 0, &openings.collect::<Vec<_>>());
     }
     let axes = scene.axes();
     if axes != ModelAxes::default() {

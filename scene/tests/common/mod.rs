@@ -10,8 +10,8 @@ use glam::{DVec3, Vec3};
 use scene::import::ImportedModel;
 use scene::obj::ObjError;
 use scene::{
-    Level, Material, MaterialId, ObjectId, PatchId, Provenance, RecordedSettings, Rgb, Scene,
-    Solution, State, Surface,
+    Level, Material, MaterialId, ObjectId, Opening, PatchId, Provenance, RecordedSettings, Rgb,
+    Scene, Solution, State, Surface,
 };
 use serde_json::json;
 use tempfile::TempDir;
@@ -32,7 +32,8 @@ pub fn surface(corners: [[f32; 3]; 3], material: u32, object: u32) -> Surface {
     }
 }
 
-/// Two triangles of 1 and 4 patches, the faces 3 and 7, two materials, two objects, an origin, two patches inside of a solid.
+/// Two triangles of 1 and 4 patches, the faces 3 and 7, two materials, two objects, an origin, two patches inside of a solid, an
+/// opening.
 pub fn small_scene() -> Scene {
     Scene::new(
         vec![
@@ -51,6 +52,11 @@ pub fn small_scene() -> Scene {
     .with_faces(vec![3, 7])
     .unwrap()
     .with_inside(vec![PatchId(1), PatchId(4)])
+    .unwrap()
+    .with_openings(vec![Opening {
+        corners: [Vec3::ZERO, Vec3::Y, Vec3::new(0.0, 0.5, 0.25)],
+        object: ObjectId(1),
+    }])
     .unwrap()
 }
 
