@@ -203,6 +203,14 @@ impl Table {
         &self.rows[row][index]
     }
 
+    /// A text, by the name of its column.
+    ///
+    /// # Panics
+    /// When there is none.
+    pub fn text(&self, row: usize, column: &str) -> &str {
+        self.field(row, column)
+    }
+
     /// A number, by the name of its column.
     ///
     /// # Panics

@@ -97,6 +97,15 @@ fn no_light_gets_below_a_wall() {
     assert!(most < 2e-3 * lit, "{most}, {lit}");
 }
 
+/// A wall with two sides a hand's breadth apart hides all, even where floor and ceiling run on below it.
+#[test]
+fn no_light_gets_through_a_thick_wall() {
+    let folder = solved("two_rooms_thick_wall");
+    let rows = patches(&folder, "a.rad");
+    let dark = irradiance(&rows, |row| row.centroid.x > 3.1);
+    assert!(dark <= 0.0, "{dark}");
+}
+
 /// A sheet of two sides: from either side its front is what one sees, and both halves are as bright.
 #[test]
 fn a_sheet_of_two_sides_shows_fronts_alone() {
