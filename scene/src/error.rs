@@ -68,6 +68,12 @@ pub enum SceneError {
         "opening {opening} has a coordinate that is not finite, or an object that does not exist"
     )]
     Opening { opening: u32 },
+    #[error("{what} {index} is wrong in the irradiance function's mesh")]
+    VertexMesh { what: &'static str, index: u32 },
+    #[error("the irradiance function has {values} values, its mesh has {vertices} vertices")]
+    VertexValues { values: usize, vertices: u32 },
+    #[error("vertex {vertex}: {value} W/m^2 is no irradiance (finite, >= 0)")]
+    VertexValue { vertex: u32, value: f32 },
     #[error("the solution's sources have {value} m^2 at most; it must be a finite number above 0")]
     SourceArea { value: f64 },
     #[error("the solution has {values} irradiances, the scene has {patches} patches")]

@@ -12,6 +12,7 @@ pub mod bisection;
 mod error;
 pub mod export;
 pub mod file;
+pub mod function;
 pub mod gltf;
 mod ids;
 pub mod import;

@@ -6,6 +6,7 @@
 
 use serde::{Deserialize, Deserializer, Serialize};
 
+use crate::function::IrradianceFunction;
 use crate::{RecordedSettings, Rgb, Scene, SceneError};
 
 /// How a solution was made.
@@ -113,6 +114,8 @@ pub struct Solution {
     pub provenance: Provenance,
     /// What its solver has under way.
     pub state: State,
+    /// The irradiance between the patches' means, where it was gathered.
+    pub function: Option<IrradianceFunction>,
 }
 
 impl Solution {
@@ -122,6 +125,7 @@ impl Solution {
             irradiance: vec![Rgb::ZERO; scene.patch_count() as usize],
             provenance: Provenance::default(),
             state: State::AtRest,
+            function: None,
         }
     }
 

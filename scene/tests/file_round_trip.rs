@@ -7,6 +7,7 @@ use glam::{DVec3, Vec3};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use scene::file::{from_bytes, load, save, to_bytes};
+use scene::function::{IrradianceFunction, NodeId, Refinement};
 use scene::{
     Level, Material, MaterialId, ObjectId, Opening, PatchId, Provenance, RecordedSettings, Rgb,
     Scene, Solution, State, Surface,
@@ -77,6 +78,27 @@ fn any_scene() -> impl Strategy<Value = Scene> {
         })
 }
 
+/// None, or one of every other surface, some leaves of which are bisected.
+fn any_function(scene: &Scene) -> impl Strategy<Value = Option<IrradianceFunction>> + use<> {
+    let whole = Refinement::new(scene, |surface| surface.0 % 2 == 0, |_, _| true);
+    let grown = vec(any::<prop::sample::Index>(), 0..4).prop_map(move |places| {
+        let mut mesh = whole.clone();
+        for place in places {
+            let leaves: Vec<NodeId> = mesh.leaves().collect();
+            mesh.bisect(leaves[place.index(leaves.len())]);
+        }
+        mesh.mesh().unwrap()
+    });
+    let function = grown.prop_flat_map(|mesh| {
+        let values = || vec(rgb(f32::INFINITY), mesh.vertex_count() as usize);
+        let values = (values(), values());
+        values.prop_map(move |(irradiance, direct)| {
+            IrradianceFunction::new(mesh.clone(), irradiance, direct).unwrap()
+        })
+    });
+    proptest::option::of(function)
+}
+
 fn any_solution(scene: &Scene) -> impl Strategy<Value = Solution> + use<> {
     let patches = scene.patch_count() as usize;
     let values = || vec(rgb(f32::INFINITY), patches);
@@ -107,9 +129,10 @@ fn any_solution(scene: &Scene) -> impl Strategy<Value = Solution> + use<> {
         any::<u64>(),
         level,
         vec(-1e300_f64..1e300, 0..5),
+        any_function(scene),
     )
         .prop_map(
-            |(irradiance, state, settings, iterations, level, residuals)| Solution {
+            |(irradiance, state, settings, iterations, level, residuals, function)| Solution {
                 irradiance,
                 provenance: Provenance {
                     settings: settings.map(|settings| RecordedSettings::new(&settings)),
@@ -118,6 +141,7 @@ fn any_solution(scene: &Scene) -> impl Strategy<Value = Solution> + use<> {
                     level,
                 },
                 state,
+                function,
             },
         )
 }

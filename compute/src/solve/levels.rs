@@ -332,5 +332,6 @@ fn irradiances(irradiance: Vec<Rgb>, provenance: &Provenance) -> Solution {
         irradiance,
         provenance: provenance.clone(),
         state: State::AtRest,
+        function: None,
     }
 }

@@ -32,6 +32,7 @@ impl Run<'_, '_> {
                     ..Provenance::default()
                 },
                 state: State::AtRest,
+                function: None,
             };
         }
         start

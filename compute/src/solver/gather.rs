@@ -72,6 +72,7 @@ impl Gather {
             irradiance,
             provenance,
             state,
+            ..
         } = start;
         let radiosity = irradiance.iter().enumerate();
         let radiosity = Channels::new(radiosity.map(|(i, &h)| problem.radiosity(i, h)));
@@ -174,6 +175,7 @@ impl Solver for Gather {
                     irradiance: self.next.clone(),
                 }
             },
+            function: None,
         }
     }
 

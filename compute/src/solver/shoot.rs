@@ -301,6 +301,7 @@ impl Solver for Shoot {
                 unshot: self.unshot.clone(),
                 remainder: self.remainder.clone(),
             },
+            function: None,
         }
     }
 

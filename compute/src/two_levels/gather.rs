@@ -69,6 +69,7 @@ impl Solver for GatherOnce {
                 provenance: self.sources.provenance.clone(),
                 // What is unshot among sources says nothing of what patches have received from them.
                 state: State::AtRest,
+                function: None,
             };
         }
         let mut solution = self.sources.clone();

@@ -47,6 +47,7 @@ fn restrict(sources: &Sources, start: Solution) -> Solution {
         irradiance,
         mut provenance,
         state,
+        ..
     } = start;
     let to_sources = |values: &[_]| sources.restricted(values);
     let level = std::mem::take(&mut provenance.level);
@@ -58,6 +59,7 @@ fn restrict(sources: &Sources, start: Solution) -> Solution {
         irradiance: to_sources(&irradiance),
         provenance,
         state,
+        function: None,
     }
 }
 
@@ -71,6 +73,7 @@ impl Solver for OnSources<'_> {
             irradiance,
             mut provenance,
             state,
+            ..
         } = self.solver.snapshot();
         let to_patches = |values: &[_]| self.sources.prolonged(values);
         provenance.level = Level::Sources {
@@ -80,6 +83,7 @@ impl Solver for OnSources<'_> {
             irradiance: to_patches(&irradiance),
             provenance,
             state: state.map(to_patches),
+            function: None,
         }
     }
 

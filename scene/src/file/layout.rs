@@ -87,8 +87,15 @@ impl SectionName {
     /// RGB remainders of irradiances.
     pub const REMAINDER: Self = Self::new("remainder");
 
+    /// u32 indices of surfaces' nodes in an irradiance function's mesh.
+    pub const FUNCTION_ROOTS: Self = Self::new("function-roots");
+    /// [`crate::function::Node`]s.
+    pub const FUNCTION_NODES: Self = Self::new("function-nodes");
+    /// [`VertexRecord`]s.
+    pub const VERTICES: Self = Self::new("vertices");
+
     /// All that this code knows.
-    const ALL: [Self; 13] = [
+    const ALL: [Self; 16] = [
         Self::NAMES,
         Self::MATERIALS,
         Self::SURFACES,
@@ -102,6 +109,9 @@ impl SectionName {
         Self::UNFINISHED,
         Self::UNSHOT,
         Self::REMAINDER,
+        Self::FUNCTION_ROOTS,
+        Self::FUNCTION_NODES,
+        Self::VERTICES,
     ];
 
     const fn new(name: &str) -> Self {
@@ -177,4 +187,16 @@ pub struct OpeningRecord {
     pub corners: [[f32; 3]; 3],
     /// Index.
     pub object: u32,
+}
+
+/// A vertex of an irradiance function's mesh.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct VertexRecord {
+    /// Metres, relative to the origin.
+    pub position: [f32; 3],
+    /// W/m^2.
+    pub irradiance: [f32; 3],
+    /// W/m^2.
+    pub direct: [f32; 3],
 }

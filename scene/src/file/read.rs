@@ -6,9 +6,12 @@ use std::path::Path;
 
 use glam::{DVec3, Vec3};
 
-use super::layout::{Header, MaterialRecord, Names, OpeningRecord, SectionName, SurfaceRecord};
+use super::layout::{
+    Header, MaterialRecord, Names, OpeningRecord, SectionName, SurfaceRecord, VertexRecord,
+};
 use super::table::{Sections, structure};
 use super::{FileError, FileFault, version_1};
+use crate::function::{IrradianceFunction, VertexMesh};
 use crate::{
     Level, Material, MaterialId, ObjectId, Opening, PatchId, Provenance, Rgb, Scene, Solution,
     State, Surface,
@@ -53,7 +56,7 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, FileFault> {
 pub fn from_bytes(bytes: &[u8]) -> Result<(Scene, Option<Solution>), FileFault> {
     let sections = Sections::parse(bytes)?;
     let scene = scene(&sections)?;
-    let solution = solution(&sections)?;
+    let solution = solution(&sections, scene.surfaces().len())?;
     if let Some(solution) = &solution {
         solution.validate(&scene)?;
     }
@@ -113,7 +116,7 @@ fn scene(sections: &Sections) -> Result<Scene, FileFault> {
     })
 }
 
-fn solution(sections: &Sections) -> Result<Option<Solution>, FileFault> {
+fn solution(sections: &Sections, surfaces: usize) -> Result<Option<Solution>, FileFault> {
     let Some(irradiance) = sections.records_if_any(SectionName::IRRADIANCE)? else {
         return Ok(None);
     };
@@ -123,6 +126,7 @@ fn solution(sections: &Sections) -> Result<Option<Solution>, FileFault> {
             irradiance,
             provenance: provenance.into(),
             state: State::AtRest,
+            function: None,
         }));
     }
     let mut provenance: Provenance = sections.json(SectionName::PROVENANCE)?;
@@ -133,7 +137,22 @@ fn solution(sections: &Sections) -> Result<Option<Solution>, FileFault> {
         irradiance,
         provenance,
         state: state(sections)?,
+        function: function(sections, surfaces)?,
     }))
+}
+
+fn function(sections: &Sections, surfaces: usize) -> Result<Option<IrradianceFunction>, FileFault> {
+    let Some(vertices) = sections.records_if_any::<VertexRecord>(SectionName::VERTICES)? else {
+        return Ok(None);
+    };
+    let roots = sections.records(SectionName::FUNCTION_ROOTS)?;
+    let nodes = sections.records(SectionName::FUNCTION_NODES)?;
+    let positions = vertices.iter().map(|record| record.position.into());
+    let mesh = VertexMesh::new(surfaces, roots, nodes, positions.collect())?;
+    let irradiance = vertices.iter().map(|record| record.irradiance.into());
+    let direct = vertices.iter().map(|record| record.direct.into());
+    let function = IrradianceFunction::new(mesh, irradiance.collect(), direct.collect())?;
+    Ok(Some(function))
 }
 
 fn state(sections: &Sections) -> Result<State, FileFault> {

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::layout::{
     ALIGNMENT, Header, MAGIC, MaterialRecord, Names, OpeningRecord, REQUIRED, Section, SectionName,
-    SurfaceRecord, VERSION,
+    SurfaceRecord, VERSION, VertexRecord,
 };
 use super::{FileError, FileFault, table};
 use crate::{Level, ModelAxes, Scene, Solution, State};
@@ -168,6 +168,19 @@ pub fn to_bytes(scene: &Scene, solution: Option<&Solution>) -> Vec<u8> {
                 file.records(SectionName::REMAINDER, 0, remainder);
             }
         }
+    }
+    if let Some(function) = solution.and_then(|solution| solution.function.as_ref()) {
+        let mesh = function.mesh();
+        let values = function.irradiance().iter().zip(function.direct());
+        let vertices = mesh.vertices().iter().zip(values);
+        let vertices = vertices.map(|(&position, (&irradiance, &direct))| VertexRecord {
+            position: position.into(),
+            irradiance: irradiance.into(),
+            direct: direct.into(),
+        });
+        file.records(SectionName::FUNCTION_ROOTS, 0, mesh.roots());
+        file.records(SectionName::FUNCTION_NODES, 0, mesh.nodes());
+        file.records(SectionName::VERTICES, 0, &vertices.collect::<Vec<_>>());
     }
     file.finish(scene.origin().into())
 }

@@ -7,6 +7,7 @@ pub mod gltf;
 use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};
+use scene::function::{IrradianceFunction, NodeId, Refinement};
 use scene::import::ImportedModel;
 use scene::obj::ObjError;
 use scene::{
@@ -60,7 +61,7 @@ pub fn small_scene() -> Scene {
     .unwrap()
 }
 
-/// Values that no other patch has: an iteration under way, and patches that gather.
+/// Values that no other patch has: an iteration under way, patches that gather, and a function.
 pub fn small_solution(scene: &Scene) -> Solution {
     Solution {
         irradiance: small_values(scene, 1.0),
@@ -78,6 +79,7 @@ pub fn small_solution(scene: &Scene) -> Solution {
         state: State::Unfinished {
             irradiance: small_values(scene, 2.0)[..3].to_vec(),
         },
+        function: Some(small_function(scene)),
     }
 }
 
@@ -90,6 +92,18 @@ pub fn small_shooting_solution(scene: &Scene) -> Solution {
         remainder: small_values(scene, 5.0),
     };
     solution
+}
+
+/// A function over the second surface alone, once bisected.
+fn small_function(scene: &Scene) -> IrradianceFunction {
+    let mut mesh = Refinement::new(scene, |surface| surface.0 == 1, |_, _| true);
+    mesh.bisect(NodeId(0));
+    let mesh = mesh.mesh().unwrap();
+    let values = |offset: f32| {
+        let vertices = (0..mesh.vertex_count()).map(|v| v as f32);
+        vertices.map(|v| Rgb::new(offset, v, 1.0) / 3.0).collect()
+    };
+    IrradianceFunction::new(mesh.clone(), values(6.0), values(7.0)).unwrap()
 }
 
 /// Different values, one per patch.
