@@ -8,6 +8,9 @@ use proptest::prelude::*;
 use scene::function::{IrradianceFunction, Node, NodeId, Refinement, VertexMesh};
 use scene::{Material, MaterialId, ObjectId, PatchId, Rgb, Scene, SceneError, Surface, SurfaceId};
 
+/// What a mesh is made of.
+type Parts = (Vec<u32>, Vec<Node>, Vec<Vec3>);
+
 /// Triangles in the plane z = 0, of one material.
 fn scene(triangles: &[[[f32; 2]; 3]], depth: u32) -> Scene {
     let surfaces: Vec<Surface> = triangles
@@ -242,7 +245,6 @@ fn parts_that_are_no_mesh_are_errors() {
     assert_eq!(made(parts()).unwrap(), mesh);
     let parent = mesh.nodes().iter().position(|node| node.child > 0).unwrap();
     let count = mesh.nodes().len() as u32;
-    type Parts = (Vec<u32>, Vec<Node>, Vec<Vec3>);
     let faults: [&dyn Fn(&mut Parts); 8] = [
         &|(roots, ..)| _ = roots.pop(),
         &|(roots, ..)| roots[1] = roots[0],
