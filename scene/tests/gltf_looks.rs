@@ -12,8 +12,8 @@ use scene::import::{ImportOptions, ImportedModel};
 use scene::{Rgb, Surface, srgb};
 use serde_json::{Value, json};
 
-/// Means are rounded to so many parts of 1.
-const STEPS: f32 = 4096.0;
+/// Means are right to this share of themselves: they keep 12 bits behind the leading one.
+const ROUNDING_OF_MEANS: f32 = 1.0 / 8192.0;
 
 fn told(model: &ImportedModel, words: &str) -> bool {
     let mut warnings = model.report.warnings.iter();
@@ -203,10 +203,9 @@ fn textures_count_with_their_mean_wherever_they_are() {
         // Of the lower right triangle of the square three quarters are green, of the other one red.
         for (surface, share) in model.surfaces.iter().zip([0.25, 0.75]) {
             let Rgb { x, y, z } = model.materials[surface.material.index()].reflectance;
-            // The mean is taken over 16 points.
             for (found, expected) in [(x, share), (y, 1.0 - share), (z, 0.0)] {
                 assert!(
-                    (found - 0.5 * expected).abs() <= 0.5 / 16.0,
+                    (found - 0.5 * expected).abs() <= ROUNDING_OF_MEANS * expected,
                     "{found} {expected}"
                 );
             }
@@ -228,7 +227,7 @@ fn textures_are_decoded_from_srgb() {
     let found = gltf.load().materials[0].reflectance.x;
     let expected = 0.5 * srgb::decode(128.0 / 255.0);
     assert!(
-        (found - expected).abs() <= 0.5 / STEPS,
+        (found - expected).abs() <= ROUNDING_OF_MEANS * expected,
         "{found} {expected}"
     );
 }

@@ -7,7 +7,9 @@ use glam::DVec2;
 
 use super::ImportOptions;
 use super::reflectance::limited;
-use super::texture::{Picture, Textures, Wrap};
+use super::texture::{Picture, Textures};
+use super::texture_mean::mean;
+use super::wrap::Wrap;
 use crate::{Material, MaterialId, Rgb};
 
 /// What a format calls things, for messages.
@@ -95,7 +97,7 @@ impl Looks {
         ]
         .map(|(textured, at)| {
             let textured = textured.as_ref()?;
-            let texture = self
+            let texels = self
                 .textures
                 .get(&textured.picture, &self.terms, warnings)?;
             let [Some(a), Some(b), Some(c)] = at else {
@@ -104,7 +106,7 @@ impl Looks {
                 }
                 return None;
             };
-            let mean = texture.mean([a, b, c], textured.wrap);
+            let mean = mean(texels, [a, b, c], textured.wrap);
             Some((mean, textured.factor * mean))
         });
         if means == [None, None] {

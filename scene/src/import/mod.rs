@@ -19,7 +19,10 @@ mod looks;
 pub(crate) mod origin;
 mod reflectance;
 mod repairs;
+mod texels;
 mod texture;
+mod texture_mean;
+mod wrap;
 
 use std::path::PathBuf;
 
@@ -28,7 +31,8 @@ use glam::DVec3;
 pub(crate) use draft::{Draft, Piece};
 pub(crate) use looks::{Looks, Taken, Terms, Textured, left_out};
 pub(crate) use reflectance::{GREY, limit, limited};
-pub(crate) use texture::{Picture, Wrap};
+pub(crate) use texture::Picture;
+pub(crate) use wrap::Wrap;
 
 use crate::{Material, ModelAxes, Scene, SceneError, Surface};
 

@@ -1,34 +1,23 @@
-//! The mean colour of a texture over a triangle: until textures are shown, a surface reflects the mean of its part.
+//! Pictures of textures, read once each.
 
 use std::collections::HashMap;
 use std::io::{BufRead, Cursor, Seek};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3};
-use image::{ImageReader, Limits};
+use image::{DynamicImage, ImageDecoder, ImageError, ImageReader, Limits};
 
 use super::looks::Terms;
-use crate::{Rgb, srgb};
+use super::texels::Texels;
 
-/// The most pixels along a side.
-const MOST_PIXELS: u32 = 1 << 15;
+/// The most texels along a side.
+const MOST_ALONG: u32 = 1 << 15;
+
+/// The most texels of a picture, which take 4 bytes each.
+const MOST_TEXELS: u64 = 1 << 28;
 
 /// The most memory that decoding a picture may take, bytes.
 const MOST_MEMORY: u64 = 1 << 31;
-
-/// Points that a mean is taken over: as many as there are texels below, within these.
-const POINTS: [f64; 2] = [16.0, 4096.0];
-
-/// Parts of 1 that means are rounded to, so that surfaces that look alike are one material.
-const STEPS: f64 = 4096.0;
-
-/// A picture, linear.
-pub(super) struct Texture {
-    size: [u32; 2],
-    /// Row by row from the top.
-    texels: Vec<Rgb>,
-}
 
 /// Where a picture is.
 #[derive(Clone, Debug)]
@@ -39,33 +28,6 @@ pub(crate) struct Picture {
     pub bytes: Option<Arc<[u8]>>,
 }
 
-/// What is beyond the sides of a picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Wrap {
-    /// The same picture.
-    #[default]
-    Repeat,
-    /// The same picture, every other time mirrored.
-    Mirror,
-    /// Its outermost texels.
-    Clamp,
-}
-
-impl Wrap {
-    /// The texel at a coordinate, of `size` texels.
-    fn texel(self, at: f64, size: f64) -> u32 {
-        let inside = match self {
-            Self::Repeat => at.rem_euclid(size),
-            Self::Mirror => {
-                let twice = at.rem_euclid(2.0 * size);
-                twice.min(2.0 * size - twice)
-            }
-            Self::Clamp => at.max(0.0),
-        };
-        inside.min(size - 1.0) as u32
-    }
-}
-
 /// Pictures that were read, by their names.
 #[derive(Default)]
 pub(super) struct Textures(HashMap<PathBuf, Read>);
@@ -73,7 +35,7 @@ pub(super) struct Textures(HashMap<PathBuf, Read>);
 struct Read {
     is_file: bool,
     /// `None` where it cannot be had.
-    texture: Option<Texture>,
+    texels: Option<Texels>,
 }
 
 impl Textures {
@@ -83,11 +45,11 @@ impl Textures {
         picture: &Picture,
         terms: &Terms,
         warnings: &mut Vec<String>,
-    ) -> Option<&Texture> {
+    ) -> Option<&Texels> {
         let Picture { name, bytes } = picture;
         if !self.0.contains_key(name) {
-            let texture = match Texture::read(picture) {
-                Ok(texture) => Some(texture),
+            let texels = match read(picture) {
+                Ok(texels) => Some(texels),
                 Err(error) => {
                     warnings.push(format!(
                         "the texture {} is left out: {error}; {}",
@@ -98,9 +60,9 @@ impl Textures {
                 }
             };
             let is_file = bytes.is_none();
-            self.0.insert(name.clone(), Read { is_file, texture });
+            self.0.insert(name.clone(), Read { is_file, texels });
         }
-        self.0.get(name)?.texture.as_ref()
+        self.0.get(name)?.texels.as_ref()
     }
 
     /// The files that were asked for, by name.
@@ -115,57 +77,36 @@ impl Textures {
     }
 }
 
-impl Texture {
-    fn read(Picture { name, bytes }: &Picture) -> Result<Self, image::ImageError> {
-        if let Some(bytes) = bytes {
-            return Self::decode(ImageReader::new(Cursor::new(&bytes[..])));
-        }
-        if !std::fs::metadata(name)?.is_file() {
-            return Err(std::io::Error::other("not a regular file").into());
-        }
-        Self::decode(ImageReader::open(name)?)
+fn read(Picture { name, bytes }: &Picture) -> Result<Texels, ImageError> {
+    if let Some(bytes) = bytes {
+        return decode(ImageReader::new(Cursor::new(&bytes[..])));
     }
+    if !std::fs::metadata(name)?.is_file() {
+        return Err(std::io::Error::other("not a regular file").into());
+    }
+    decode(ImageReader::open(name)?)
+}
 
-    fn decode<R: BufRead + Seek>(reader: ImageReader<R>) -> Result<Self, image::ImageError> {
-        let mut reader = reader.with_guessed_format()?;
-        let mut limits = Limits::default();
-        limits.max_image_width = Some(MOST_PIXELS);
-        limits.max_image_height = Some(MOST_PIXELS);
-        limits.max_alloc = Some(MOST_MEMORY);
-        reader.limits(limits);
-        let picture = reader.decode()?.into_rgb8();
-        let linear: Vec<f32> = (0..=u8::MAX)
-            .map(|value| srgb::decode(f32::from(value) / 255.0))
-            .collect();
-        let texels = picture.pixels();
-        let texels = texels.map(|texel| Rgb::from(texel.0.map(|value| linear[usize::from(value)])));
-        Ok(Self {
-            size: picture.dimensions().into(),
-            texels: texels.collect(),
-        })
+fn decode<R: BufRead + Seek>(reader: ImageReader<R>) -> Result<Texels, ImageError> {
+    let mut reader = reader.with_guessed_format()?;
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MOST_ALONG);
+    limits.max_image_height = Some(MOST_ALONG);
+    limits.max_alloc = Some(MOST_MEMORY);
+    reader.limits(limits);
+    let decoder = reader.into_decoder()?;
+    let (width, height) = decoder.dimensions();
+    let count = u64::from(width) * u64::from(height);
+    let bytes = decoder.total_bytes();
+    let refused = |why: String| Err(std::io::Error::other(why).into());
+    if count == 0 {
+        return refused("it has no texels".to_owned());
     }
-
-    /// The mean over the triangle between three texture coordinates, (0, 0) at the lower left of the picture; rounded, so
-    /// that like surfaces are alike.
-    pub(super) fn mean(&self, corners: [DVec2; 3], wrap: [Wrap; 2]) -> Rgb {
-        let size = DVec2::new(self.size[0].into(), self.size[1].into());
-        let [a, b, c] = corners.map(|corner| corner * size);
-        let texels = 0.5 * (b - a).perp_dot(c - a).abs();
-        let points = texels.clamp(POINTS[0], POINTS[1]).ceil();
-        let mut sum = DVec3::ZERO;
-        for k in 0..points as u32 {
-            // Points of the R2 sequence (Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018), folded
-            // from the square to the triangle.
-            let [mut u, mut v] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3]
-                .map(|step: f64| (0.5 + step * f64::from(k)).fract());
-            if u + v > 1.0 {
-                (u, v) = (1.0 - u, 1.0 - v);
-            }
-            let at = a + u * (b - a) + v * (c - a);
-            let column = wrap[0].texel(at.x, size.x);
-            let row = wrap[1].texel(size.y - at.y, size.y);
-            sum += self.texels[(row * self.size[0] + column) as usize].as_dvec3();
-        }
-        ((sum / points * STEPS).round() / STEPS).as_vec3()
+    if count > MOST_TEXELS || bytes > MOST_MEMORY {
+        return refused(format!(
+            "it has {width} x {height} texels in {bytes} bytes, the limits are {MOST_TEXELS} texels and {MOST_MEMORY} bytes; scale it down"
+        ));
     }
+    let picture = DynamicImage::from_decoder(decoder)?.into_rgb8();
+    Ok(Texels::new(picture.dimensions().into(), picture.into_raw()))
 }
