@@ -169,10 +169,18 @@ impl Settings {
         ImportOptions {
             reflectance: self.reflectance,
             max_reflectance: self.max_reflectance,
+            repainted: self.repainted(),
             orient: self.orient,
             axes: self.axes(),
             light_radius: self.light_radius,
         }
+    }
+
+    /// Names that are given a reflectance.
+    fn repainted(&self) -> Vec<String> {
+        let given = self.changes.iter();
+        let given = given.filter(|change| matches!(change.to, Look::Reflectance(_)));
+        given.map(|change| change.name.clone()).collect()
     }
 
     /// What the model's coordinates are.

@@ -1,4 +1,4 @@
-//! The laws of the glTF import: what surfaces reflect and emit, and what stands in for lights.
+//! The laws of the glTF import: what surfaces reflect and emit.
 
 mod common;
 
@@ -7,9 +7,8 @@ use std::f64::consts::PI;
 use base64::Engine;
 use common::gltf::{Gltf, SQUARE, painted, png, square};
 use common::{folder, write};
-use glam::DVec3;
 use scene::import::{ImportOptions, ImportedModel};
-use scene::{Rgb, Surface, srgb};
+use scene::{Rgb, srgb};
 use serde_json::{Value, json};
 
 /// Means are right to this share of themselves: they keep 12 bits behind the leading one.
@@ -115,7 +114,11 @@ fn wholly_transparent_materials_leave_their_faces_out() {
         let mut gltf = square(painted([0.5, 0.5, 0.5, alpha]));
         gltf.json["materials"][0]["alphaMode"] = json!(mode);
         let error = gltf.load_as(&ImportOptions::default()).unwrap_err();
-        assert!(error.to_string().contains("nothing is left"), "{error}");
+        let message = error.to_string();
+        assert!(
+            message.contains("all 2 triangles have materials that are wholly transparent"),
+            "{message}"
+        );
         gltf.push("materials", painted([0.5; 4]));
         let mut primitive = gltf.json["meshes"][0]["primitives"][0].clone();
         primitive["material"] = json!(1);
@@ -336,100 +339,125 @@ fn pictures_that_cannot_be_had_are_told_once_and_leave_the_factor() {
     }
 }
 
-/// The square, and a light one metre above it.
-fn lit(light: &Value) -> Gltf {
-    let mut gltf = square(painted([0.5; 4]));
-    gltf.json["extensionsUsed"] = json!(["KHR_lights_punctual"]);
-    gltf.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [light]}});
-    gltf.root(
-        json!({"name": "bulb", "translation": [0.5, 0.5, 1], "scale": [3, 3, 3],
-        "extensions": {"KHR_lights_punctual": {"light": 0}}}),
-    );
+/// The square with vertex colours.
+fn coloured(material: Value, kind: &str, component: u32, normalized: bool, bytes: &[u8]) -> Gltf {
+    let mut gltf = square(material);
+    let view = gltf.view(bytes);
+    let accessor = json!({"bufferView": view, "componentType": component, "normalized": normalized, "type": kind, "count": 4});
+    let colours = gltf.push("accessors", accessor);
+    gltf.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(colours);
     gltf
 }
 
-/// The surfaces of the light, their exitance and their area.
-fn lamp(model: &ImportedModel) -> (Vec<Surface>, Rgb, f64) {
-    let material = model.materials.iter().position(|m| m.name == "light bulb");
-    let index = material.unwrap();
-    let emission = model.materials[index].emission;
-    assert_eq!(model.materials[index].reflectance, Rgb::ZERO);
-    let surfaces = model.surfaces.iter().copied();
-    let surfaces: Vec<Surface> = surfaces.filter(|s| s.material.index() == index).collect();
-    let area = surfaces.iter().map(Surface::area).sum();
-    (surfaces, emission, area)
+/// The reflectance of each triangle.
+fn reflectances(model: &ImportedModel) -> Vec<Rgb> {
+    let surfaces = model.surfaces.iter();
+    let of = |s: &scene::Surface| model.materials[s.material.index()].reflectance;
+    surfaces.map(of).collect()
 }
 
-/// Corners are f32: near 1, of triangles of half a radius, each side is wrong by this share of 1 cm at most.
-const ROUNDING: f64 = 4.0 * f32::EPSILON as f64 / 0.01;
-
-#[test]
-fn a_point_light_is_a_sphere_of_power_4_pi_times_its_intensity() {
-    for radius in [None, Some(0.1)] {
-        let gltf = lit(
-            &json!({"type": "point", "intensity": 7, "color": [1, 0.5, 0], "extras": {"a": 1}}),
-        );
-        let options = ImportOptions {
-            light_radius: radius,
-            ..ImportOptions::default()
-        };
-        let model = gltf.load_as(&options).unwrap();
-        assert_eq!(model.objects, ["square", "bulb"]);
-        let (surfaces, emission, area) = lamp(&model);
-        assert_eq!(surfaces.len(), 80);
-        for (channel, colour) in [(emission.x, 1.0), (emission.y, 0.5), (emission.z, 0.0)] {
-            let power = f64::from(channel) * area;
-            let expected = 4.0 * PI * 7.0 * colour;
-            assert!(
-                (power - expected).abs() <= ROUNDING * expected,
-                "{power} {expected}"
-            );
-        }
-        let centre = DVec3::new(0.5, 0.5, 1.0) - model.origin;
-        let radius = radius.unwrap_or(0.01);
-        for surface in surfaces {
-            for corner in surface.corners {
-                // The polyhedron has the area of the sphere, so its corners are a little outside.
-                let ratio = corner.as_dvec3().distance(centre) / radius;
-                assert!((1.0..1.05).contains(&ratio), "{ratio}");
-            }
-            assert!(surface.normal().dot(surface.corners[0].as_dvec3() - centre) > 0.0);
-        }
-        assert!(told(&model, "a candela taken as 1 W/sr"));
+#[track_caller]
+fn assert_near(found: Rgb, expected: [f32; 3]) {
+    for (found, expected) in found.to_array().into_iter().zip(expected) {
+        let is_near = (found - expected).abs() <= ROUNDING_OF_MEANS * expected;
+        assert!(is_near, "{found} {expected}");
     }
 }
 
+/// Section 3.9.2: they are linear, and the base colour is multiplied by them; also white is, without a word of its 1.
 #[test]
-fn a_spot_light_is_a_disc_with_its_intensity_on_the_axis() {
-    let mut gltf = lit(&json!({"type": "spot", "intensity": 3, "spot": {"outerConeAngle": 0.5}}));
-    // A quarter turn about x points its axis, -z, at +y.
-    let half = 0.5f64.sqrt();
-    gltf.json["nodes"][1]["rotation"] = json!([half, 0, 0, half]);
-    let model = gltf.load();
-    let (surfaces, emission, area) = lamp(&model);
-    // On the axis, I = M / pi times the area.
-    let intensity = f64::from(emission.x) / PI * area;
-    assert!((intensity - 3.0).abs() <= 3.0 * ROUNDING, "{intensity}");
-    for surface in surfaces {
-        assert!(surface.normal().dot(DVec3::Y) > 1.0 - ROUNDING);
-    }
-    assert!(told(&model, "outside of their cones"));
-}
-
-#[test]
-fn lights_that_nothing_can_stand_in_for_are_named() {
-    for (light, words) in [
-        (
-            json!({"type": "directional"}),
-            "infinitely far away: \"bulb\"",
-        ),
-        (
-            json!({"type": "point", "intensity": 0}),
-            "without intensity are left out: \"bulb\"",
-        ),
+fn vertex_colours_multiply_the_base_colour_in_all_their_types() {
+    let colours = [[51u8, 102, 255, 0]; 4].concat();
+    let three: Vec<u8> = colours.chunks(4).flat_map(|c| c[..3].to_vec()).collect();
+    let floats = |bytes: &[u8]| -> Vec<u8> {
+        let values = bytes.iter().map(|&byte| f32::from(byte) / 255.0);
+        values.flat_map(f32::to_le_bytes).collect()
+    };
+    let shorts: Vec<u8> = colours.iter().flat_map(|&byte| [byte, byte]).collect();
+    for (kind, component, normalized, bytes) in [
+        ("VEC4", 5121, true, colours.clone()),
+        ("VEC4", 5123, true, shorts),
+        ("VEC4", 5126, false, floats(&colours)),
+        ("VEC3", 5126, false, floats(&three)),
     ] {
-        let model = lit(&light).load();
-        assert_eq!(model.surfaces.len(), 2);
-        assert!(told(&model, words), "{:?}", model.report);
+        for (base, factor) in [([1.0, 1.0, 0.5, 1.0], 1.0), ([0.5, 0.5, 0.25, 1.0], 0.5)] {
+            let model = coloured(painted(base), kind, component, normalized, &bytes).load();
+            for found in reflectances(&model) {
+                assert_near(found, [0.2 * factor, 0.4 * factor, 0.5 * factor]);
+            }
+            assert_eq!(model.report.warnings, [""; 0], "{kind} {component}");
+        }
     }
+}
+
+#[test]
+fn a_triangle_has_the_mean_of_its_corners_colours() {
+    let corners = [0.0f32, 0.25, 0.5, 0.75].map(|value| [value, 1.0, 7.0]);
+    let bytes: Vec<u8> = corners
+        .concat()
+        .iter()
+        .flat_map(|v| v.to_le_bytes())
+        .collect();
+    let model = coloured(painted([0.5; 4]), "VEC3", 5126, false, &bytes).load();
+    let found = reflectances(&model);
+    // Beyond 1 they are 1.
+    assert_near(found[0], [0.5 * 0.25, 0.5, 0.5]);
+    assert_near(found[1], [0.5 * (1.25 / 3.0), 0.5, 0.5]);
+}
+
+#[test]
+fn vertex_colours_leave_emission_and_given_reflectances() {
+    let dark = [0u8; 16];
+    let mut lamp = painted([0.5; 4]);
+    lamp["emissiveFactor"] = json!([1, 1, 1]);
+    let model = coloured(lamp, "VEC4", 5121, true, &dark).load();
+    assert_eq!(
+        model.materials[0].emission,
+        Rgb::splat(std::f32::consts::PI)
+    );
+    assert_eq!(model.materials[0].reflectance, Rgb::ZERO);
+    let options = ImportOptions {
+        reflectance: Some(0.25),
+        ..ImportOptions::default()
+    };
+    let gltf = coloured(painted([0.5; 4]), "VEC4", 5121, true, &dark);
+    let model = gltf.load_as(&options).unwrap();
+    assert_eq!(model.materials[0].reflectance, Rgb::splat(0.25));
+    let white = [255u8; 16];
+    let model = coloured(painted([1.0; 4]), "VEC4", 5121, true, &white).load();
+    assert_eq!(model.materials[0].reflectance, Rgb::splat(0.95));
+    assert!(told(&model, "its base colour 1 1 1 is taken as 0.95"));
+}
+
+#[test]
+fn what_is_repainted_is_not_told_to_be_white() {
+    let options = ImportOptions {
+        repainted: vec!["paint".to_owned()],
+        ..ImportOptions::default()
+    };
+    let model = square(painted([1.0; 4])).load_as(&options).unwrap();
+    assert_eq!(model.report.warnings, [""; 0]);
+    assert_eq!(model.materials[0].reflectance, Rgb::splat(0.95));
+}
+
+/// One warning for each property that is lost, which says what is there in its place.
+#[test]
+fn textures_without_coordinates_are_told_by_what_they_leave() {
+    let mut material: Value = serde_json::from_str(IN_COLOUR).unwrap();
+    material["emissiveFactor"] = json!([1, 1, 1]);
+    material["emissiveTexture"] = json!({"index": 0});
+    let mut gltf = textured(Place::View, material).0;
+    let primitive = &mut gltf.json["meshes"][0]["primitives"][0];
+    primitive["attributes"]
+        .as_object_mut()
+        .unwrap()
+        .remove("TEXCOORD_0");
+    let model = gltf.load();
+    assert_eq!(model.materials[0].emission, Rgb::ZERO);
+    assert_eq!(model.report.warnings.len(), 2, "{:?}", model.report);
+    assert!(told(
+        &model,
+        "there it has reflectance [0.5, 0.5, 0.5] instead of"
+    ));
+    assert!(told(&model, "there nothing is emitted instead of"));
 }

@@ -2,15 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::GltfFault;
 use super::content::{Content, Instance, Part, content, left_out};
 use super::document::Document;
 use super::error::wrong;
-use super::lights::{self, Body};
+use super::lights;
 use super::materials::{Materials, TERMS};
-use super::nodes::{self, Names};
+use super::names::Names;
+use super::nodes;
 use crate::import::origin::{Bounds, Overflow, centred};
 use crate::import::{Draft, ImportOptions, ImportReport, ImportedModel, Looks, Piece};
 use crate::{Axis, MaterialId, ModelAxes, ObjectId, Surface};
@@ -18,18 +19,43 @@ use crate::{Axis, MaterialId, ModelAxes, ObjectId, Surface};
 /// The share of its power that a light may lose or gain by the rounding of its body's corners.
 const MOST_ROUNDING: f64 = 0.01;
 
+/// What stands in for lights, as an object.
+struct Body {
+    object: ObjectId,
+    material: MaterialId,
+    /// Counter-clockwise from outside, metres.
+    triangles: Vec<[DVec3; 3]>,
+}
+
 /// Builds the model.
 pub(super) fn build(
     document: &Document,
     options: &ImportOptions,
 ) -> Result<ImportedModel, GltfFault> {
     let mut report = ImportReport::default();
-    let placed = nodes::placed(&document.root, &mut report.warnings)?;
+    let hierarchy = nodes::hierarchy(&document.root, &mut report.warnings)?;
     let mut materials = Materials::new(document, options);
     let mut names = Names::default();
-    let content = content(document, &placed, &mut materials, &mut names, &mut report)?;
-    let bodies = lights::bodies(document, &placed, options, &mut report.warnings)?;
-    report.warnings.extend(left_out(&document.root));
+    let content = content(
+        document,
+        &hierarchy,
+        &mut materials,
+        &mut names,
+        &mut report,
+    )?;
+    let mut objects = content.objects.clone();
+    let lights = lights::bodies(document, &hierarchy.placed, options, &mut report.warnings)?;
+    let bodies = lights.into_iter().map(|light| {
+        objects.push(names.name(&light.name));
+        Body {
+            object: ObjectId(objects.len() as u32 - 1),
+            material: MaterialId(materials.add(light.material) as u32),
+            triangles: light.triangles,
+        }
+    });
+    let bodies: Vec<Body> = bodies.collect();
+    report.warnings.extend(left_out(document));
+    report.warnings.extend(names.warning());
 
     let unit = options.axes.unit;
     let mut bounds = Bounds::NOTHING;
@@ -40,11 +66,6 @@ pub(super) fn build(
     {
         bounds = bounds.with(corner);
     }
-    let mut objects = content.objects.clone();
-    objects.extend(bodies.iter().map(|body| names.name(&body.name)));
-    report.warnings.extend(names.warning());
-    let add = |body: &Body| materials.add(body.material.clone());
-    let of_bodies: Vec<usize> = bodies.iter().map(add).collect();
     let mut draft = Draft {
         pieces: Vec::new(),
         looks: Looks::new(materials.into_taken(), options, TERMS),
@@ -60,15 +81,17 @@ pub(super) fn build(
     };
     let mut first_degenerate = None;
     for (object, instance) in content.instances.iter().enumerate() {
-        for part in content.parts(instance) {
+        for part in content.parts(instance)? {
             let degenerate = add_part(&mut draft, instance, part, ObjectId(object as u32))?;
             first_degenerate = first_degenerate.or(degenerate);
         }
     }
     draft.warn_of_absent();
     if draft.pieces.is_empty() {
-        return Err(GltfFault::NothingLeft {
-            triangles: draft.triangles,
+        let triangles = draft.triangles;
+        return Err(match first_degenerate {
+            Some(_) => GltfFault::NothingLeft { triangles },
+            None => GltfFault::AllTransparent { triangles },
         });
     }
     if let Some(first) = first_degenerate {
@@ -79,9 +102,8 @@ pub(super) fn build(
             place_of(first, &content)
         ));
     }
-    let ids = of_bodies.into_iter().zip(content.objects.len()..);
-    for (body, (material, object)) in bodies.iter().zip(ids) {
-        add_body(&mut draft, body, material, object)?;
+    for body in &bodies {
+        add_body(&mut draft, body)?;
     }
     let mut model = draft.finish(options, &|place| place_of(place, &content));
     model.files.extend(document.files.iter().cloned());
@@ -110,9 +132,6 @@ fn add_part(
     part: &Part,
     object: ObjectId,
 ) -> Result<Option<usize>, GltfFault> {
-    let model_from_node = instance.placed.model_from_node;
-    // A mirror turns the winding round, but not the front.
-    let is_mirrored = model_from_node.matrix3.determinant() < 0.0;
     let unit = draft.axes.unit;
     let mut first_degenerate = None;
     for triangle in 0..part.primitive.triangles {
@@ -122,22 +141,20 @@ fn add_part(
             continue;
         }
         let vertices = part.primitive.vertices(triangle)?;
-        let positions = part.primitive.positions(vertices)?;
-        let at = part.primitive.coordinates(vertices)?;
+        let found = instance.triangle(&part.primitive, vertices)?;
+        let of_look = part.primitive.place_of_look(vertices)?;
         let mut corners = [Vec3::ZERO; 3];
-        for (corner, &position) in corners.iter_mut().zip(&positions) {
-            let position = unit * model_from_node.transform_point3(position);
-            *corner = centred(position, draft.origin)
+        for (corner, &position) in corners.iter_mut().zip(&found.corners) {
+            *corner = centred(unit * position, draft.origin)
                 .map_err(|overflow| too_far(instance.placed.thing(), overflow))?;
         }
-        if is_mirrored {
+        if found.is_mirrored {
             corners.swap(1, 2);
         }
+        let warnings = &mut draft.report.warnings;
         let surface = Surface {
             corners,
-            material: draft
-                .looks
-                .id(part.material, at, &mut draft.report.warnings),
+            material: draft.looks.id(part.material, &of_look, warnings),
             object,
         };
         if surface.is_degenerate() {
@@ -150,7 +167,7 @@ fn add_part(
                 surface,
                 face: place as u32,
                 place,
-                is_against: part.primitive.is_against(vertices, positions)?,
+                is_against: found.is_against,
             });
         }
     }
@@ -171,13 +188,11 @@ fn push_both_sides(pieces: &mut Vec<Piece>, surface: Surface, place: usize) {
 }
 
 /// Adds what stands in for a light.
-fn add_body(
-    draft: &mut Draft,
-    body: &Body,
-    material: usize,
-    object: usize,
-) -> Result<(), GltfFault> {
-    let thing = format!("light \"{}\"", body.name);
+fn add_body(draft: &mut Draft, body: &Body) -> Result<(), GltfFault> {
+    let thing = match draft.objects.get(body.object.index()) {
+        Some(name) => format!("light \"{name}\""),
+        None => "a light".to_owned(),
+    };
     let [mut area, mut rounded_area] = [0.0; 2];
     for corners in &body.triangles {
         let place = draft.triangles;
@@ -189,8 +204,8 @@ fn add_body(
         }
         let surface = Surface {
             corners: rounded,
-            material: MaterialId(material as u32),
-            object: ObjectId(object as u32),
+            material: body.material,
+            object: body.object,
         };
         let [a, b, c] = corners;
         area += 0.5 * (b - a).cross(c - a).length();

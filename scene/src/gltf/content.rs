@@ -4,16 +4,17 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
 use glam::DVec3;
-use gltf::json::mesh::Semantic;
-use gltf::json::validation::Checked;
-use gltf::json::{self, Root};
 
 use super::GltfFault;
-use super::document::{Document, unknown_extensions};
+use super::document::Document;
 use super::error::wrong;
+use super::extensions::unknown;
 use super::materials::Materials;
-use super::nodes::{Names, Placed};
-use super::primitive::{Primitive, draws_points_or_lines};
+use super::morphs;
+use super::names::{Names, first_name};
+use super::nodes::{Hierarchy, Placed};
+use super::primitive::{Primitive, draws_points_or_lines, has_no_positions};
+use super::skins::{self, Pose};
 use crate::MAX_PATCHES;
 use crate::import::ImportReport;
 
@@ -27,16 +28,87 @@ pub(super) struct Part<'a> {
 /// An object: a node with its mesh.
 pub(super) struct Instance<'a> {
     pub placed: Placed<'a>,
+    pose: Pose,
+    /// Of the morph targets.
+    weights: Vec<f64>,
     /// Index of the mesh.
     mesh: usize,
     /// The number of its first triangle.
     pub start: usize,
 }
 
+/// A triangle of an object.
+pub(super) struct Triangle {
+    /// In the coordinates of the model, but for the unit.
+    pub corners: [DVec3; 3],
+    /// Whether it is wound the other way there: a mirror turns the winding round, but not the front.
+    pub is_mirrored: bool,
+    /// As [`Primitive::is_against`].
+    pub is_against: Option<bool>,
+}
+
+impl Instance<'_> {
+    /// A triangle in the model.
+    pub(super) fn triangle(
+        &self,
+        primitive: &Primitive,
+        vertices: [usize; 3],
+    ) -> Result<Triangle, GltfFault> {
+        let positions = primitive.positions(vertices, &self.weights)?;
+        let is_against = primitive.is_against(vertices, positions, &self.weights)?;
+        let (corners, determinant) = self.place(primitive, vertices, positions)?;
+        Ok(Triangle {
+            corners,
+            is_mirrored: determinant < 0.0,
+            is_against,
+        })
+    }
+
+    /// The corners of a triangle in the model.
+    fn corners(
+        &self,
+        primitive: &Primitive,
+        vertices: [usize; 3],
+    ) -> Result<[DVec3; 3], GltfFault> {
+        let positions = primitive.positions(vertices, &self.weights)?;
+        Ok(self.place(primitive, vertices, positions)?.0)
+    }
+
+    /// Where positions come to be, and the sum of the determinants of what takes them there.
+    fn place(
+        &self,
+        primitive: &Primitive,
+        vertices: [usize; 3],
+        mut corners: [DVec3; 3],
+    ) -> Result<([DVec3; 3], f64), GltfFault> {
+        let mut determinant = 0.0;
+        match (&self.pose, &primitive.influences) {
+            (Pose::Rigid(model_from_node), _) => {
+                corners = corners.map(|corner| model_from_node.transform_point3(corner));
+                determinant = model_from_node.matrix3.determinant();
+            }
+            (Pose::Skinned(matrices), Some(influences)) => {
+                for (corner, vertex) in corners.iter_mut().zip(vertices) {
+                    let (place, of_corner) = influences.place(vertex, *corner, matrices)?;
+                    *corner = place;
+                    determinant += of_corner;
+                }
+            }
+            (Pose::Skinned(_), None) => {
+                return Err(wrong(
+                    self.placed.thing(),
+                    "it has a skin, but a primitive of its mesh has no JOINTS_0 and WEIGHTS_0; export the model again, or without skins",
+                ));
+            }
+        }
+        Ok((corners, determinant))
+    }
+}
+
 /// What nodes have.
 pub(super) struct Content<'a> {
-    /// By index; only those that some node has.
-    meshes: HashMap<usize, Vec<Part<'a>>>,
+    /// One per mesh; those that some node has are open.
+    meshes: Vec<Option<Vec<Part<'a>>>>,
     /// One per object.
     pub instances: Vec<Instance<'a>>,
     /// Names of the objects.
@@ -45,19 +117,19 @@ pub(super) struct Content<'a> {
 
 impl<'a> Content<'a> {
     /// The primitives of an object.
-    pub(super) fn parts(&self, instance: &Instance) -> &[Part<'a>] {
-        self.meshes
-            .get(&instance.mesh)
-            .map_or(&[], |parts| &parts[..])
+    pub(super) fn parts(&self, instance: &Instance) -> Result<&[Part<'a>], GltfFault> {
+        let parts = self.meshes.get(instance.mesh).and_then(Option::as_deref);
+        parts.ok_or_else(|| not_there(instance.mesh))
     }
 
-    /// Hands out the corners of all triangles, in the coordinates of the model.
+    /// Hands out the corners of all triangles, in the coordinates of the model, but for the unit.
     pub(super) fn for_each_corner(&self, mut use_it: impl FnMut(DVec3)) -> Result<(), GltfFault> {
         for instance in &self.instances {
-            for Part { primitive, .. } in self.parts(instance) {
+            for Part { primitive, .. } in self.parts(instance)? {
                 for triangle in 0..primitive.triangles {
-                    for position in primitive.positions(primitive.vertices(triangle)?)? {
-                        use_it(instance.placed.model_from_node.transform_point3(position));
+                    let vertices = primitive.vertices(triangle)?;
+                    for corner in instance.corners(primitive, vertices)? {
+                        use_it(corner);
                     }
                 }
             }
@@ -66,28 +138,37 @@ impl<'a> Content<'a> {
     }
 }
 
+fn not_there(mesh: usize) -> GltfFault {
+    wrong(format!("meshes[{mesh}]"), "nothing has this index")
+}
+
 /// Opens the meshes of all nodes.
 pub(super) fn content<'a>(
     document: &'a Document,
-    placed: &[Placed<'a>],
+    hierarchy: &Hierarchy<'a>,
     materials: &mut Materials,
     names: &mut Names,
     report: &mut ImportReport,
 ) -> Result<Content<'a>, GltfFault> {
+    let meshes = document.root.meshes.iter().map(|_| None);
     let mut content = Content {
-        meshes: HashMap::new(),
+        meshes: meshes.collect(),
         instances: Vec::new(),
         objects: Vec::new(),
     };
+    let mut skins = HashMap::new();
     let mut start = 0;
-    for &placed in placed {
+    for &placed in &hierarchy.placed {
         let Some(index) = placed.node.mesh else {
             continue;
         };
+        let mesh = document.get(index)?;
         let number = index.value();
-        let parts = match content.meshes.entry(number) {
-            Entry::Occupied(known) => known.into_mut(),
-            Entry::Vacant(new) => new.insert(parts(document, number, materials, report)?),
+        let opened = content.meshes.get_mut(number);
+        let opened = opened.ok_or_else(|| not_there(number))?;
+        let parts = match opened {
+            Some(known) => known,
+            None => opened.insert(parts(document, number, materials, report)?),
         };
         let triangles: usize = parts
             .iter()
@@ -96,13 +177,23 @@ pub(super) fn content<'a>(
         if triangles == 0 {
             continue;
         }
-        let of_mesh = document.get(index)?.name.as_ref();
-        let name = placed.node.name.as_ref().or(of_mesh);
-        let name = name.filter(|name| !name.trim().is_empty()).cloned();
-        let name = name.unwrap_or_else(|| format!("node {}", placed.index));
+        let pose = match placed.node.skin {
+            None => Pose::Rigid(placed.model_from_node),
+            Some(skin) => {
+                let matrices = match skins.entry(skin) {
+                    Entry::Occupied(known) => known.into_mut(),
+                    Entry::Vacant(new) => new.insert(skins::matrices(document, skin, hierarchy)?),
+                };
+                Pose::Skinned(matrices.clone())
+            }
+        };
+        let own_names = [placed.node.name.as_ref(), mesh.name.as_ref()];
+        let name = first_name(own_names, || format!("node {}", placed.index));
         content.objects.push(names.name(&name));
         content.instances.push(Instance {
             placed,
+            pose,
+            weights: morphs::weights(placed.node, mesh, &placed.thing())?,
             mesh: number,
             start,
         });
@@ -126,20 +217,22 @@ fn parts<'a>(
     materials: &mut Materials,
     report: &mut ImportReport,
 ) -> Result<Vec<Part<'a>>, GltfFault> {
-    let Some(mesh) = document.root.meshes.get(index) else {
-        return Err(wrong(format!("meshes[{index}]"), "nothing has this index"));
-    };
+    let mesh = document.root.meshes.get(index);
+    let mesh = mesh.ok_or_else(|| not_there(index))?;
     let mut parts = Vec::new();
     for (k, primitive) in mesh.primitives.iter().enumerate() {
         if draws_points_or_lines(primitive) {
             report.points_and_lines_ignored += 1;
             continue;
         }
+        if has_no_positions(primitive) {
+            continue;
+        }
         let material = materials.number(primitive.material, &mut report.warnings)?;
         let used = materials.used(material);
         let thing = format!("meshes[{index}].primitives[{k}]");
         parts.push(Part {
-            primitive: Primitive::open(document, primitive, &thing, used.mappings)?,
+            primitive: Primitive::open(document, primitive, &thing, used)?,
             material,
             is_double_sided: used.is_double_sided,
         });
@@ -148,32 +241,33 @@ fn parts<'a>(
 }
 
 /// Tells what the file has that no still picture of triangles shows.
-pub(super) fn left_out(root: &Root) -> Vec<String> {
+pub(super) fn left_out(document: &Document) -> Vec<String> {
+    let root = &document.root;
     let mut warnings = Vec::new();
     let primitives = || root.meshes.iter().flat_map(|mesh| &mesh.primitives);
-    let having = |has: fn(&json::mesh::Primitive) -> bool| primitives().filter(|p| has(p)).count();
+    let of_no_place = primitives().filter(|p| !draws_points_or_lines(p) && has_no_positions(p));
+    let animations = document.removed.animations;
     let found: Vec<String> = [
-        (root.animations.len(), "animations"),
-        (root.cameras.len(), "cameras"),
-        (root.skins.len(), "skins"),
-        (having(|p| p.targets.is_some()), "primitives' morph targets"),
+        (animations, "animations"),
+        (document.removed.cameras, "cameras"),
         (
-            having(draws_points_or_lines),
+            primitives().filter(|p| draws_points_or_lines(p)).count(),
             "primitives of points or lines",
         ),
-        (having(has_colours), "primitives' vertex colours"),
+        (of_no_place.count(), "primitives without POSITION"),
     ]
     .into_iter()
     .filter(|&(count, _)| count > 0)
     .map(|(count, what)| format!("{what} ({count})"))
     .collect();
     if !found.is_empty() {
-        warnings.push(format!(
-            "left out: {}; meshes stay as they are at rest",
-            found.join(", ")
-        ));
+        let rest = match animations {
+            0 => "",
+            _ => "; what they move stays where the nodes, joints and weights of the file have it",
+        };
+        warnings.push(format!("left out: {}{rest}", found.join(", ")));
     }
-    let unknown = unknown_extensions(root);
+    let unknown = unknown(root);
     if !unknown.is_empty() {
         warnings.push(format!(
             "extensions that are not known are left out: {}",
@@ -181,9 +275,4 @@ pub(super) fn left_out(root: &Root) -> Vec<String> {
         ));
     }
     warnings
-}
-
-fn has_colours(primitive: &json::mesh::Primitive) -> bool {
-    let mut semantics = primitive.attributes.keys();
-    semantics.any(|semantic| matches!(semantic, Checked::Valid(Semantic::Colors(_))))
 }

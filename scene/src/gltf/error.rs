@@ -40,6 +40,8 @@ pub enum GltfFault {
     Container { why: String },
     #[error("the JSON is not that of a glTF 2.0 file: {0}")]
     Json(json::Error),
+    #[error("{place}: {source}")]
+    Member { place: String, source: json::Error },
     #[error("glTF version {version} is not known, only 2.0 is; export the model again as glTF 2.0")]
     Version { version: String },
     #[error("the model requires the extension {extension}, which is not known; {remedy}")]
@@ -64,6 +66,12 @@ pub enum GltfFault {
         "the nodes have {triangles} triangles or more, the limit is {MAX_PATCHES} (24-bit patch IDs); simplify the model"
     )]
     TooManyTriangles { triangles: u64 },
+    #[error("light radius {value} m is not a finite number above 0")]
+    LightRadius { value: f64 },
+    #[error(
+        "all {triangles} triangles have materials that are wholly transparent; nothing is left"
+    )]
+    AllTransparent { triangles: usize },
     #[error("all {triangles} triangles are degenerate (no area beyond rounding); nothing is left")]
     NothingLeft { triangles: usize },
     #[error(transparent)]

@@ -27,6 +27,7 @@ use gltf::json::validation::Checked;
 use super::GltfFault;
 use super::document::Document;
 use super::error::wrong;
+use super::names::first_name;
 use super::nodes::Placed;
 use crate::import::ImportOptions;
 use crate::{Material, Rgb};
@@ -62,9 +63,8 @@ pub(super) fn bodies(
             continue;
         };
         let light = document.get(found.light)?;
-        let name = placed.node.name.clone().or_else(|| light.name.clone());
-        let name = name.filter(|name| !name.trim().is_empty());
-        let name = name.unwrap_or_else(|| format!("node {}", placed.index));
+        let own_names = [placed.node.name.as_ref(), light.name.as_ref()];
+        let name = first_name(own_names, || format!("node {}", placed.index));
         let exitance = exitance(light, radius).ok_or_else(|| {
             wrong(
                 placed.thing(),

@@ -12,8 +12,9 @@ use gltf::json::validation::Checked;
 
 use super::GltfFault;
 use super::document::Document;
-use super::pictures::texture;
-use crate::import::{GREY, ImportOptions, Taken, Terms, left_out, limit, limited};
+use super::names::first_name;
+use super::pictures::Pictures;
+use crate::import::{GREY, ImportOptions, Taken, Terms, Textured, check, left_out};
 use crate::{Material, Rgb};
 
 /// What messages call things.
@@ -46,7 +47,8 @@ impl Mapping {
 /// The materials that faces use, by first use.
 pub(super) struct Materials<'a> {
     document: &'a Document,
-    options: ImportOptions,
+    pictures: Pictures<'a>,
+    options: &'a ImportOptions,
     /// By the file's number; `None` for faces without a material.
     numbers: HashMap<Option<usize>, usize>,
     taken: Vec<Taken>,
@@ -58,14 +60,17 @@ pub(super) struct Materials<'a> {
 pub(super) struct Used {
     /// Where texture coordinates are for the reflectance and the emission.
     pub mappings: [Option<Mapping>; 2],
+    /// Whether vertex colours count.
+    pub is_tinted: bool,
     pub is_double_sided: bool,
 }
 
 impl<'a> Materials<'a> {
-    pub(super) fn new(document: &'a Document, options: &ImportOptions) -> Self {
+    pub(super) fn new(document: &'a Document, options: &'a ImportOptions) -> Self {
         Self {
             document,
-            options: *options,
+            pictures: Pictures::new(document),
+            options,
             numbers: HashMap::new(),
             taken: Vec::new(),
             used: Vec::new(),
@@ -83,12 +88,16 @@ impl<'a> Materials<'a> {
             return Ok(number);
         }
         let (taken, used) = match material {
-            None => (self.without(warnings), Used::PLAIN),
+            None => {
+                let used = Used {
+                    is_tinted: self.options.reflectance.is_none(),
+                    ..Used::PLAIN
+                };
+                (self.without(warnings), used)
+            }
             Some(index) => {
                 let described = self.document.get(index)?;
-                let name = described.name.clone();
-                let name = name.filter(|name| !name.trim().is_empty());
-                let name = name.unwrap_or_else(|| format!("material {index}"));
+                let name = first_name([described.name.as_ref()], || format!("material {index}"));
                 self.taken(described, &name, warnings)?
             }
         };
@@ -127,7 +136,7 @@ impl<'a> Materials<'a> {
     }
 
     fn taken(
-        &self,
+        &mut self,
         described: &Described,
         name: &str,
         warnings: &mut Vec<String>,
@@ -137,60 +146,67 @@ impl<'a> Materials<'a> {
             alpha,
             texture: base,
         } = Colour::of(described);
-        let mut material = Material {
+        let emission = emission(described);
+        let grey = self.options.reflectance;
+        let grey = grey.filter(|_| emission.max_element() <= 0.0);
+        let all_of_it = Material {
             name: name.to_owned(),
-            reflectance: factor,
-            emission: emission(described),
+            reflectance: grey.map_or(factor, Rgb::splat),
+            emission,
         };
+        check(&all_of_it, self.options).map_err(GltfFault::Material)?;
         let mut notes = notes(described, alpha, base.is_some());
-        let mut textured = |info: Option<&Info>, factor, what: &str| {
-            let Some(info) = info else {
-                return Ok((None, None));
-            };
-            let Some((textured, mapping)) = texture(self.document, info, factor)? else {
-                notes.push(format!("{what} (no picture in PNG or JPEG)"));
-                return Ok((None, None));
-            };
-            Ok((Some(textured), Some(mapping)))
+        let reflectance = match grey {
+            Some(_) => None,
+            None => self.textured(base, factor, "the base colour's texture", &mut notes)?,
         };
         let emissive = described.emissive_texture.as_ref();
-        let emissive = emissive.filter(|_| material.is_emitter());
-        let (of_emission, emission_mapping) =
-            textured(emissive, material.emission, "emissiveTexture")?;
-        let mut of_reflectance = (None, None);
-        match self.options.reflectance.filter(|_| !material.is_emitter()) {
-            Some(grey) => material.reflectance = Rgb::splat(grey),
-            None => of_reflectance = textured(base, factor, "the base colour's texture")?,
-        }
-        let (reflectance, reflectance_mapping) = of_reflectance;
-        if reflectance.is_some() {
-            material.reflectance = limited(material.reflectance, &self.options);
-        } else {
-            warnings.extend(limit(&mut material, &self.options, &TERMS));
-        }
+        let shining = emissive.filter(|_| all_of_it.is_emitter());
+        let of_emission = self.textured(shining, emission, "emissiveTexture", &mut notes)?;
         warnings.extend(left_out(name, &notes));
-        material.validate().map_err(GltfFault::Material)?;
-        if described.emissive_texture.is_some() {
-            // Where its texture cannot be had, nobody knows which part of it shines.
-            material.emission = Rgb::ZERO;
-        }
+        let (reflectance, reflectance_mapping) = reflectance.unzip();
+        let (of_emission, emission_mapping) = of_emission.unzip();
         let taken = Taken {
-            material,
+            material: Material {
+                // Where its texture cannot be had, nobody knows which part of it shines.
+                emission: emissive.map_or(emission, |_| Rgb::ZERO),
+                ..all_of_it
+            },
             reflectance,
             emission: of_emission,
             absence: absence(described, alpha, base.is_some()),
         };
         let used = Used {
             mappings: [reflectance_mapping, emission_mapping],
+            is_tinted: grey.is_none(),
             is_double_sided: described.double_sided,
         };
         Ok((taken, used))
+    }
+
+    /// The texture of a property, and where texture coordinates are in it; a note where its picture cannot be read.
+    fn textured(
+        &mut self,
+        info: Option<&Info>,
+        factor: Rgb,
+        what: &str,
+        notes: &mut Vec<String>,
+    ) -> Result<Option<(Textured, Mapping)>, GltfFault> {
+        let Some(info) = info else {
+            return Ok(None);
+        };
+        let found = self.pictures.texture(info, factor)?;
+        if found.is_none() {
+            notes.push(format!("{what} (no picture in PNG or JPEG)"));
+        }
+        Ok(found)
     }
 }
 
 impl Used {
     const PLAIN: Self = Self {
         mappings: [None; 2],
+        is_tinted: false,
         is_double_sided: false,
     };
 }

@@ -29,16 +29,24 @@
 //! their bounds, element by element, so that no count in a file decides how much memory is taken.
 
 mod build;
+mod container;
 mod content;
 mod document;
 mod elements;
 mod error;
+mod extensions;
+mod json;
+mod layouts;
 mod lights;
 mod materials;
+mod morphs;
+mod names;
 mod nodes;
 mod pictures;
 mod primitive;
+mod skins;
 mod uri;
+mod validity;
 
 use std::path::Path;
 

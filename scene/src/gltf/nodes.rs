@@ -1,6 +1,4 @@
-//! The hierarchy of nodes: which of them are in the scene, where, and what they are called.
-
-use std::collections::{HashMap, HashSet};
+//! The hierarchy of nodes: which of them are in the scene, and where (section 3.5 of the specification).
 
 use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
 use gltf::json::scene::Node;
@@ -32,52 +30,127 @@ fn thing(index: usize, node: &Node) -> String {
     }
 }
 
-/// The nodes of the scene, each before its children.
-pub(super) fn placed<'a>(
+/// All nodes of a file.
+pub(super) struct Hierarchy<'a> {
+    /// Those of the scene, each before its children.
+    pub placed: Vec<Placed<'a>>,
+    /// From the coordinates of each node to those of the model; one per node of the file.
+    pub model_from_node: Vec<DAffine3>,
+}
+
+/// Places all nodes.
+///
+/// # Errors
+/// Nodes that are no trees (section 3.5.2), scenes of other nodes than roots, and transforms that are none (3.5.3).
+pub(super) fn hierarchy<'a>(
     root: &'a Root,
     warnings: &mut Vec<String>,
-) -> Result<Vec<Placed<'a>>, GltfFault> {
-    let mut waiting: Vec<(usize, DAffine3)> = roots(root, warnings)
-        .into_iter()
-        .rev()
-        .map(|index| (index, DAffine3::IDENTITY))
-        .collect();
-    let mut is_placed = vec![false; root.nodes.len()];
-    let mut placed = Vec::new();
-    while let Some((index, model_from_parent)) = waiting.pop() {
-        let Some(node) = root.nodes.get(index) else {
-            let count = root.nodes.len();
-            return Err(wrong(
-                format!("nodes[{index}]"),
-                format!("it is a child or in a scene, but the file has {count} nodes"),
-            ));
-        };
-        if std::mem::replace(&mut is_placed[index], true) {
-            return Err(wrong(
-                thing(index, node),
-                "it is below itself or has two parents; nodes have to be a tree",
-            ));
+) -> Result<Hierarchy<'a>, GltfFault> {
+    let parents = parents(root)?;
+    let is_root = |&index: &usize| parents.get(index).is_some_and(Option::is_none);
+    let roots: Vec<usize> = (0..root.nodes.len()).filter(is_root).collect();
+    let order = depth_first(root, &roots);
+    if order.len() < root.nodes.len() {
+        let mut is_reached = vec![false; root.nodes.len()];
+        for &index in &order {
+            is_reached[index] = true;
         }
-        let model_from_node = model_from_parent * parent_from_node(index, node)?;
-        if !model_from_node.is_finite() {
+        let index = is_reached.iter().position(|&reached| !reached);
+        return Err(not_a_tree(
+            root,
+            index.unwrap_or_default(),
+            "it is below itself",
+        ));
+    }
+    let mut model_from_node = vec![DAffine3::IDENTITY; root.nodes.len()];
+    for index in order {
+        let Some(node) = root.nodes.get(index) else {
+            continue;
+        };
+        let model_from_parent = parents[index].map_or(DAffine3::IDENTITY, |k| model_from_node[k]);
+        model_from_node[index] = model_from_parent * parent_from_node(index, node)?;
+        if !model_from_node[index].is_finite() {
             return Err(wrong(
                 thing(index, node),
                 "its transform, with those of its parents, is not finite",
             ));
         }
-        let children = node.children.iter().flatten().rev();
-        waiting.extend(children.map(|child| (child.value(), model_from_node)));
-        placed.push(Placed {
-            index,
-            node,
-            model_from_node,
-        });
     }
-    Ok(placed)
+    let tops = tops(root, &roots, warnings);
+    let mut is_listed = vec![false; root.nodes.len()];
+    for &index in &tops {
+        if let Some(Some(parent)) = parents.get(index) {
+            let what =
+                format!("it is in the scene and below nodes[{parent}], as if it had two parents");
+            return Err(not_a_tree(root, index, &what));
+        }
+        let is_known = is_listed.get_mut(index);
+        if is_known.is_some_and(|known| std::mem::replace(known, true)) {
+            return Err(not_a_tree(root, index, "it is in the scene twice"));
+        }
+    }
+    let placed = depth_first(root, &tops).into_iter().filter_map(|index| {
+        Some(Placed {
+            index,
+            node: root.nodes.get(index)?,
+            model_from_node: *model_from_node.get(index)?,
+        })
+    });
+    Ok(Hierarchy {
+        placed: placed.collect(),
+        model_from_node,
+    })
+}
+
+/// The parent of each node.
+fn parents(root: &Root) -> Result<Vec<Option<usize>>, GltfFault> {
+    let mut parents = vec![None; root.nodes.len()];
+    for (index, node) in root.nodes.iter().enumerate() {
+        for child in node.children.iter().flatten().map(Index::value) {
+            let Some(parent) = parents.get_mut(child) else {
+                let count = root.nodes.len();
+                return Err(wrong(
+                    thing(index, node),
+                    format!("it has the child {child}, but the file has {count} nodes"),
+                ));
+            };
+            if child == index {
+                return Err(not_a_tree(root, child, "it is below itself"));
+            }
+            if let Some(other) = parent.replace(index) {
+                let what = format!("it has two parents, nodes[{other}] and nodes[{index}]");
+                return Err(not_a_tree(root, child, &what));
+            }
+        }
+    }
+    Ok(parents)
+}
+
+fn not_a_tree(root: &Root, index: usize, what: &str) -> GltfFault {
+    let thing = match root.nodes.get(index) {
+        Some(node) => thing(index, node),
+        None => format!("nodes[{index}]"),
+    };
+    wrong(thing, format!("{what}; nodes have to be trees"))
+}
+
+/// Some nodes and all below them, each before its children. None may be below itself.
+fn depth_first(root: &Root, tops: &[usize]) -> Vec<usize> {
+    let mut waiting: Vec<usize> = tops.iter().rev().copied().collect();
+    let mut order = Vec::new();
+    while let Some(index) = waiting.pop() {
+        order.push(index);
+        let children = root
+            .nodes
+            .get(index)
+            .and_then(|node| node.children.as_ref());
+        waiting.extend(children.into_iter().flatten().rev().map(Index::value));
+    }
+    order
 }
 
 /// The nodes without parents of the default scene, else of the first one, else of the file.
-fn roots(root: &Root, warnings: &mut Vec<String>) -> Vec<usize> {
+fn tops(root: &Root, roots: &[usize], warnings: &mut Vec<String>) -> Vec<usize> {
     let taken = root.scene.as_ref().map_or(0, Index::value);
     if root.scenes.len() > 1 {
         warnings.push(format!(
@@ -88,25 +161,20 @@ fn roots(root: &Root, warnings: &mut Vec<String>) -> Vec<usize> {
     if let Some(scene) = root.scenes.get(taken) {
         return scene.nodes.iter().map(Index::value).collect();
     }
-    let children = root.nodes.iter().flat_map(|node| &node.children);
-    let children: HashSet<usize> = children.flatten().map(Index::value).collect();
-    (0..root.nodes.len())
-        .filter(|index| !children.contains(index))
-        .collect()
+    roots.to_vec()
 }
 
 /// The transform that a node says.
 fn parent_from_node(index: usize, node: &Node) -> Result<DAffine3, GltfFault> {
     let fail = |what: String| Err(wrong(thing(index, node), what));
     if let Some(matrix) = node.matrix {
-        let matrix = DMat4::from_cols_array(&matrix.map(f64::from));
-        if matrix.row(3) != DVec4::W {
-            let row = matrix.row(3);
-            return fail(format!(
-                "the last row of its matrix is {row}, but has to be [0, 0, 0, 1]"
-            ));
+        if node.translation.is_some() || node.rotation.is_some() || node.scale.is_some() {
+            return fail(
+                "it has a matrix beside a translation, rotation or scale; it may have one or the other".to_owned(),
+            );
         }
-        return Ok(DAffine3::from_mat4(matrix));
+        return affine(matrix.map(f64::from))
+            .map_err(|what| wrong(thing(index, node), format!("its matrix: {what}")));
     }
     let vector = |values: [f32; 3]| DVec3::from(values.map(f64::from));
     let rotation = node.rotation.unwrap_or_default().0.map(f64::from);
@@ -121,54 +189,14 @@ fn parent_from_node(index: usize, node: &Node) -> Result<DAffine3, GltfFault> {
     ))
 }
 
-/// Names of objects, no two of which are equal.
-#[derive(Default)]
-pub(super) struct Names {
-    /// How many objects asked for a name, and the number that the next one gets.
-    asked: HashMap<String, [usize; 2]>,
-    taken: HashSet<String>,
-    /// Names that more than one object asked for.
-    several: Vec<String>,
-}
-
-impl Names {
-    /// A name for an object that asks for one.
-    pub(super) fn name(&mut self, wanted: &str) -> String {
-        let [asked, next] = self.asked.entry(wanted.to_owned()).or_insert([0, 2]);
-        *asked += 1;
-        if *asked == 2 {
-            self.several.push(wanted.to_owned());
-        }
-        let mut name = wanted.to_owned();
-        while !self.taken.insert(name.clone()) {
-            name = format!("{wanted}.{next}");
-            *next += 1;
-        }
-        name
+/// The transform of a matrix, column by column.
+pub(super) fn affine(columns: [f64; 16]) -> Result<DAffine3, String> {
+    let matrix = DMat4::from_cols_array(&columns);
+    let last = matrix.row(3);
+    if last != DVec4::W {
+        return Err(format!(
+            "the last row is {last}, but has to be [0, 0, 0, 1]"
+        ));
     }
-
-    /// Tells of names that objects would have shared.
-    pub(super) fn warning(&self) -> Option<String> {
-        let first = self.several.first()?;
-        let more = match self.several.len() - 1 {
-            0 => String::new(),
-            more => format!(", and so are those of {more} other names"),
-        };
-        Some(format!(
-            "several nodes are named \"{first}\": their objects are told apart by numbers behind the name{more}"
-        ))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Names;
-
-    #[test]
-    fn names_of_objects_are_never_equal() {
-        let mut names = Names::default();
-        let given = ["a", "a.2", "a", "a", "b", "a.2"].map(|name| names.name(name));
-        assert_eq!(given, ["a", "a.2", "a.3", "a.4", "b", "a.2.2"]);
-        assert!(names.warning().unwrap().contains("\"a\""));
-    }
+    Ok(DAffine3::from_mat4(matrix))
 }

@@ -1,62 +1,92 @@
 //! Textures: their pictures, how they repeat, and where texture coordinates are in them.
 
+use std::collections::HashMap;
+
 use glam::{DMat2, DVec2};
+use gltf::json::image::Image;
 use gltf::json::texture::{Info, WrappingMode};
 use gltf::json::validation::Checked;
+use gltf::json::{Index, texture::Sampler};
 
 use super::GltfFault;
 use super::document::Document;
-use super::elements::view;
 use super::error::wrong;
 use super::materials::Mapping;
 use super::uri::{Meaning, meaning};
 use crate::Rgb;
 use crate::import::{Picture, Textured, Wrap};
 
-/// The texture of a material's property, and where texture coordinates are in it; `None` where no picture is named that can
-/// be read.
-pub(super) fn texture(
-    document: &Document,
-    info: &Info,
-    factor: Rgb,
-) -> Result<Option<(Textured, Mapping)>, GltfFault> {
-    let texture = document.get(info.index)?;
-    let Some(image) = document.root.get(texture.source) else {
-        return Ok(None);
-    };
-    let index = texture.source;
-    let thing = format!("images[{index}]");
-    let inside = |bytes: Vec<u8>| Picture {
-        name: format!("{}: {thing}", document.path.display()).into(),
-        bytes: Some(bytes.into()),
-    };
-    let picture = match (image.buffer_view, &image.uri) {
-        (Some(index), _) => inside(view(document, index)?.to_vec()),
-        (None, Some(uri)) => {
-            match meaning(&document.folder, uri).map_err(|why| wrong(&thing, why))? {
-                Meaning::Data(bytes) => inside(bytes),
-                Meaning::File(name) => Picture { name, bytes: None },
+/// The pictures of a document, each of which is taken out of it once.
+pub(super) struct Pictures<'a> {
+    document: &'a Document,
+    /// By the file's number.
+    known: HashMap<usize, Picture>,
+}
+
+impl<'a> Pictures<'a> {
+    pub(super) fn new(document: &'a Document) -> Self {
+        Self {
+            document,
+            known: HashMap::new(),
+        }
+    }
+
+    /// The texture of a material's property, and where texture coordinates are in it; `None` where no picture is named that
+    /// can be read.
+    pub(super) fn texture(
+        &mut self,
+        info: &Info,
+        factor: Rgb,
+    ) -> Result<Option<(Textured, Mapping)>, GltfFault> {
+        let texture = self.document.get(info.index)?;
+        let Some(image) = self.document.root.get(texture.source) else {
+            return Ok(None);
+        };
+        let textured = Textured {
+            picture: self.picture(texture.source, image)?,
+            factor,
+            wrap: self.wrap(texture.sampler)?,
+        };
+        Ok(Some((textured, mapping(info)?)))
+    }
+
+    fn picture(&mut self, index: Index<Image>, image: &Image) -> Result<Picture, GltfFault> {
+        if let Some(known) = self.known.get(&index.value()) {
+            return Ok(known.clone());
+        }
+        let thing = format!("images[{index}]");
+        let inside = |bytes: &[u8]| Picture {
+            name: format!("{}: {thing}", self.document.path.display()).into(),
+            bytes: Some(bytes.into()),
+        };
+        let picture = match (image.buffer_view, &image.uri) {
+            (Some(view), _) => inside(self.document.view(view)?),
+            (None, Some(uri)) => {
+                let meaning = meaning(&self.document.folder, uri);
+                match meaning.map_err(|why| wrong(&thing, why))? {
+                    Meaning::Data(bytes) => inside(&bytes),
+                    Meaning::File(name) => Picture { name, bytes: None },
+                }
             }
-        }
-        (None, None) => {
-            return Err(wrong(thing, "it has neither a bufferView nor a URI"));
-        }
-    };
-    let mut wrap = [Wrap::Repeat; 2];
-    if let Some(sampler) = texture.sampler {
-        let sampler = document.get(sampler)?;
-        wrap = [sampler.wrap_s, sampler.wrap_t].map(|mode| match mode {
+            (None, None) => {
+                return Err(wrong(thing, "it has neither a bufferView nor a URI"));
+            }
+        };
+        self.known.insert(index.value(), picture.clone());
+        Ok(picture)
+    }
+
+    fn wrap(&self, sampler: Option<Index<Sampler>>) -> Result<[Wrap; 2], GltfFault> {
+        let Some(sampler) = sampler else {
+            return Ok([Wrap::Repeat; 2]);
+        };
+        let sampler = self.document.get(sampler)?;
+        Ok([sampler.wrap_s, sampler.wrap_t].map(|mode| match mode {
             Checked::Valid(WrappingMode::ClampToEdge) => Wrap::Clamp,
             Checked::Valid(WrappingMode::MirroredRepeat) => Wrap::Mirror,
             _ => Wrap::Repeat,
-        });
+        }))
     }
-    let textured = Textured {
-        picture,
-        factor,
-        wrap,
-    };
-    Ok(Some((textured, mapping(info)?)))
 }
 
 /// Where texture coordinates are, by `KHR_texture_transform`.

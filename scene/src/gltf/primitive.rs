@@ -1,7 +1,6 @@
 //! Primitives: lists, strips and fans of triangles.
 
 use glam::{DVec2, DVec3};
-use gltf::json::accessor::Type;
 use gltf::json::mesh::{self, Mode, Semantic};
 use gltf::json::validation::Checked;
 
@@ -9,15 +8,25 @@ use super::GltfFault;
 use super::document::Document;
 use super::elements::Elements;
 use super::error::wrong;
-use super::materials::Mapping;
+use super::layouts::{COLOURS, INDICES, Layout, NORMALS, POSITIONS, TEXTURE_COORDINATES};
+use super::materials::{Mapping, Used};
+use super::morphs::{Morphs, displacement};
+use super::skins::Influences;
+use crate::import::Coordinates;
+use crate::{Rgb, import};
 
 /// The triangles of a primitive, in the coordinates of its node.
 pub(super) struct Primitive<'a> {
     mode: Mode,
     positions: Elements<'a>,
+    /// `None` where nothing asks for them.
     normals: Option<Elements<'a>>,
     /// For the textures of reflectance and emission.
     coordinates: [Option<(Mapping, Elements<'a>)>; 2],
+    colours: Option<Elements<'a>>,
+    morphs: Morphs<'a>,
+    /// `None` where the file has no skins.
+    pub influences: Option<Influences<'a>>,
     indices: Option<Elements<'a>>,
     /// How many.
     pub triangles: usize,
@@ -31,44 +40,61 @@ pub(super) fn draws_points_or_lines(primitive: &mesh::Primitive) -> bool {
     )
 }
 
+/// What does not say where it is.
+pub(super) fn has_no_positions(primitive: &mesh::Primitive) -> bool {
+    let positions = Checked::Valid(Semantic::Positions);
+    !primitive.attributes.contains_key(&positions)
+}
+
 impl<'a> Primitive<'a> {
     /// Opens what is needed of a primitive that draws triangles.
     pub(super) fn open(
         document: &'a Document,
         primitive: &mesh::Primitive,
         thing: &str,
-        mappings: [Option<Mapping>; 2],
+        used: Used,
     ) -> Result<Self, GltfFault> {
-        let attribute = |semantic, kind| {
+        let attribute = |semantic, layout: &Layout| {
             let index = primitive.attributes.get(&Checked::Valid(semantic));
             index
-                .map(|&index| Elements::open(document, index, kind))
+                .map(|&index| Elements::open(document, index, layout))
                 .transpose()
         };
-        let positions = attribute(Semantic::Positions, Type::Vec3)?
+        let positions = attribute(Semantic::Positions, &POSITIONS)?
             .ok_or_else(|| wrong(thing, "it has no POSITION"))?;
-        let normals = attribute(Semantic::Normals, Type::Vec3)?;
-        let [of_reflectance, of_emission] = mappings.map(|mapping| {
+        let vertices = positions.count;
+        let of_vertices = |semantic, layout: &Layout| {
+            let elements = attribute(semantic, layout)?;
+            elements.iter().try_for_each(|e| e.check_count(vertices))?;
+            Ok::<_, GltfFault>(elements)
+        };
+        // What is double-sided has fronts on both sides, whatever normals say.
+        let normals = if used.is_double_sided {
+            None
+        } else {
+            of_vertices(Semantic::Normals, &NORMALS)?
+        };
+        let [of_reflectance, of_emission] = used.mappings.map(|mapping| {
             let Some(mapping) = mapping else {
                 return Ok(None);
             };
-            let found = attribute(Semantic::TexCoords(mapping.set), Type::Vec2)?;
-            Ok(found.map(|elements| (mapping, elements)))
+            let found = of_vertices(Semantic::TexCoords(mapping.set), &TEXTURE_COORDINATES)?;
+            Ok::<_, GltfFault>(found.map(|elements| (mapping, elements)))
         });
-        let coordinates = [of_reflectance?, of_emission?];
-        let of_vertices = coordinates.iter().flatten().map(|(_, elements)| elements);
-        for elements in of_vertices.chain(&normals) {
-            elements.check_count(positions.count)?;
-        }
+        let colours = if used.is_tinted {
+            of_vertices(Semantic::Colors(0), &COLOURS)?
+        } else {
+            None
+        };
+        let influences = match document.root.skins[..] {
+            [] => None,
+            _ => Influences::open(document, primitive, thing, vertices)?,
+        };
         let indices = primitive.indices;
         let indices = indices
-            .map(|index| Elements::open(document, index, Type::Scalar))
+            .map(|index| Elements::open(document, index, &INDICES))
             .transpose()?;
-        let mut corners = positions.count;
-        if let Some(indices) = &indices {
-            indices.check_indices()?;
-            corners = indices.count;
-        }
+        let corners = indices.as_ref().map_or(vertices, |indices| indices.count);
         let Checked::Valid(mode) = primitive.mode else {
             return Err(wrong(thing, "its mode is none of glTF 2.0"));
         };
@@ -84,9 +110,12 @@ impl<'a> Primitive<'a> {
         };
         Ok(Self {
             mode,
+            morphs: Morphs::open(document, primitive, vertices)?,
             positions,
             normals,
-            coordinates,
+            coordinates: [of_reflectance?, of_emission?],
+            colours,
+            influences,
             indices,
             triangles,
         })
@@ -109,8 +138,16 @@ impl<'a> Primitive<'a> {
         Ok([vertex(0)?, vertex(1)?, vertex(2)?])
     }
 
-    pub(super) fn positions(&self, vertices: [usize; 3]) -> Result<[DVec3; 3], GltfFault> {
-        let position = |k: usize| self.positions.get(vertices[k]).map(DVec3::from_array);
+    /// Where the corners of a triangle are, moved by morph targets of these weights.
+    pub(super) fn positions(
+        &self,
+        vertices: [usize; 3],
+        weights: &[f64],
+    ) -> Result<[DVec3; 3], GltfFault> {
+        let position = |k: usize| {
+            let position = DVec3::from_array(self.positions.get(vertices[k])?);
+            Ok(position + displacement(&self.morphs.positions, weights, vertices[k])?)
+        };
         Ok([position(0)?, position(1)?, position(2)?])
     }
 
@@ -119,6 +156,7 @@ impl<'a> Primitive<'a> {
         &self,
         vertices: [usize; 3],
         [a, b, c]: [DVec3; 3],
+        weights: &[f64],
     ) -> Result<Option<bool>, GltfFault> {
         let Some(normals) = &self.normals else {
             return Ok(None);
@@ -126,26 +164,47 @@ impl<'a> Primitive<'a> {
         let mut sum = DVec3::ZERO;
         for vertex in vertices {
             sum += DVec3::from_array(normals.get(vertex)?);
+            sum += displacement(&self.morphs.normals, weights, vertex)?;
         }
         let agreement = (b - a).cross(c - a).dot(sum);
         Ok((agreement != 0.0).then_some(agreement < 0.0))
     }
 
-    /// Where the corners of a triangle are in its textures, (0, 0) at the lower left.
-    pub(super) fn coordinates(
-        &self,
-        vertices: [usize; 3],
-    ) -> Result<[[Option<DVec2>; 3]; 2], GltfFault> {
-        let mut found = [[None; 3]; 2];
-        for (found, coordinates) in found.iter_mut().zip(&self.coordinates) {
-            let Some((mapping, elements)) = coordinates else {
-                continue;
-            };
-            for (found, vertex) in found.iter_mut().zip(vertices) {
-                let DVec2 { x, y } = mapping.apply(elements.get(vertex)?.into());
-                *found = Some(DVec2::new(x, 1.0 - y));
-            }
-        }
-        Ok(found)
+    /// What a triangle says of its look.
+    pub(super) fn place_of_look(&self, vertices: [usize; 3]) -> Result<import::Place, GltfFault> {
+        let [of_reflectance, of_emission] = &self.coordinates;
+        Ok(import::Place {
+            of_reflectance: coordinates(of_reflectance.as_ref(), vertices)?,
+            of_emission: coordinates(of_emission.as_ref(), vertices)?,
+            tint: self.tint(vertices)?,
+        })
     }
+
+    /// The mean of the vertex colours of a triangle's corners, which are linear, clamped to [0, 1] (section 3.7.2.1).
+    fn tint(&self, vertices: [usize; 3]) -> Result<Rgb, GltfFault> {
+        let Some(colours) = &self.colours else {
+            return Ok(Rgb::ONE);
+        };
+        let mut sum = DVec3::ZERO;
+        for vertex in vertices {
+            sum += DVec3::from_array(colours.get(vertex)?).clamp(DVec3::ZERO, DVec3::ONE);
+        }
+        Ok((sum / 3.0).as_vec3())
+    }
+}
+
+/// Where the corners of a triangle are in a texture, (0, 0) at the lower left.
+fn coordinates(
+    found: Option<&(Mapping, Elements)>,
+    vertices: [usize; 3],
+) -> Result<Coordinates, GltfFault> {
+    let Some((mapping, elements)) = found else {
+        return Ok([None; 3]);
+    };
+    let mut corners = [None; 3];
+    for (corner, vertex) in corners.iter_mut().zip(vertices) {
+        let DVec2 { x, y } = mapping.apply(elements.get(vertex)?.into());
+        *corner = Some(DVec2::new(x, 1.0 - y));
+    }
+    Ok(corners)
 }

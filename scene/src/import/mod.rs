@@ -29,8 +29,8 @@ use std::path::PathBuf;
 use glam::DVec3;
 
 pub(crate) use draft::{Draft, Piece};
-pub(crate) use looks::{Looks, Taken, Terms, Textured, left_out};
-pub(crate) use reflectance::{GREY, limit, limited};
+pub(crate) use looks::{Coordinates, Looks, Place, Taken, Terms, Textured, left_out};
+pub(crate) use reflectance::{GREY, check};
 pub(crate) use texture::Picture;
 pub(crate) use wrap::Wrap;
 
@@ -58,13 +58,15 @@ pub struct ImportedModel {
 }
 
 /// How a model is taken.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ImportOptions {
     /// One reflectance, dimensionless, in [0, 1), for all materials that do not emit, whatever the file says.
     pub reflectance: Option<f32>,
     /// The largest reflectance, dimensionless, in [0, 1); where it is not given, what is 1 or more, which no surface can
     /// reflect, is taken as 0.95, and all else as it is.
     pub max_reflectance: Option<f32>,
+    /// Names of materials whose reflectances the caller replaces: what is taken for theirs is not told.
+    pub repainted: Vec<String>,
     /// Which side of a face is its front.
     pub orient: Orient,
     /// What the file's coordinates are.

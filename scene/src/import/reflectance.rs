@@ -2,7 +2,7 @@
 
 use super::ImportOptions;
 use super::looks::Terms;
-use crate::{Material, Rgb};
+use crate::{Material, Rgb, SceneError};
 
 /// Reflectance of what has none, dimensionless.
 pub(crate) const GREY: f32 = 0.5;
@@ -10,28 +10,36 @@ pub(crate) const GREY: f32 = 0.5;
 /// What is taken for a reflectance of 1 or more, which no surface has, unless the options say otherwise, dimensionless.
 const WHITE: f32 = 0.95;
 
-/// Brings reflectances below 1, and says so.
-pub(crate) fn limit(
-    material: &mut Material,
-    options: &ImportOptions,
-    terms: &Terms,
-) -> Option<String> {
+/// Says what is taken for the reflectance of a material of the file, where it is another one; but not where the caller gives it
+/// one of its own.
+pub(super) fn told(material: &Material, options: &ImportOptions, terms: &Terms) -> Option<String> {
     let before = material.reflectance;
-    material.reflectance = limited(before, options);
-    (material.reflectance != before).then(|| {
-        let Rgb { x, y, z } = before;
-        let name = &material.name;
-        let Rgb { x: r, y: g, z: b } = material.reflectance;
-        format!(
-            "material \"{name}\": {} {x} {y} {z} is taken as {r} {g} {b}, since surfaces reflect less than they receive; \
-             --reflectance \"{name}\"=R,G,B says otherwise",
-            terms.colour
-        )
-    })
+    let taken = limited(before, options);
+    let Material { name, .. } = material;
+    if taken == before || options.repainted.contains(name) {
+        return None;
+    }
+    let Rgb { x, y, z } = before;
+    let Rgb { x: r, y: g, z: b } = taken;
+    Some(format!(
+        "material \"{name}\": {} {x} {y} {z} is taken as {r} {g} {b}, since surfaces reflect less than they receive; \
+         --reflectance \"{name}\"=R,G,B says otherwise",
+        terms.colour
+    ))
+}
+
+/// Checks a material of the file, whose reflectance may be 1 or more.
+pub(crate) fn check(material: &Material, options: &ImportOptions) -> Result<(), SceneError> {
+    let reflectance = limited(material.reflectance, options);
+    let taken = Material {
+        reflectance,
+        ..material.clone()
+    };
+    taken.validate()
 }
 
 /// A reflectance below 1; what is not finite stays.
-pub(crate) fn limited(reflectance: Rgb, options: &ImportOptions) -> Rgb {
+pub(super) fn limited(reflectance: Rgb, options: &ImportOptions) -> Rgb {
     let most = options.max_reflectance.unwrap_or(WHITE);
     let limited = |value: f32| {
         let is_too_much = match options.max_reflectance {

@@ -8,8 +8,10 @@ use super::mtl::TERMS;
 use super::screen::{Face, Screened, Used};
 use super::{ObjFault, polygon};
 use crate::import::origin::{Bounds, Overflow, centred};
-use crate::import::{Draft, ImportOptions, ImportReport, ImportedModel, Looks, Piece, Taken};
-use crate::{ObjectId, Surface};
+use crate::import::{
+    Draft, ImportOptions, ImportReport, ImportedModel, Looks, Piece, Place, Taken,
+};
+use crate::{ObjectId, Rgb, Surface};
 
 /// How many names a warning has.
 const MOST_NAMED: usize = 3;
@@ -76,10 +78,15 @@ pub(super) fn build(
                     continue;
                 }
                 let at = corners.map(|k| screened.texture_coordinate(of_corners[k]));
+                let place = Place {
+                    of_reflectance: at,
+                    of_emission: [None; 3],
+                    tint: Rgb::ONE,
+                };
                 let warnings = &mut draft.report.warnings;
                 let surface = Surface {
                     corners: corners.map(|k| polygon[k]),
-                    material: draft.looks.id(material, [at, [None; 3]], warnings),
+                    material: draft.looks.id(material, &place, warnings),
                     object,
                 };
                 if surface.is_degenerate() {

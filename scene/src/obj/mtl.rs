@@ -8,9 +8,7 @@ use super::lines::{Statement, lines, names, text};
 use super::screen::Used;
 use super::{ObjError, ObjFault, files};
 use crate::import::files::read_regular;
-use crate::import::{
-    GREY, ImportOptions, Picture, Taken, Terms, Textured, Wrap, left_out, limit, limited,
-};
+use crate::import::{GREY, ImportOptions, Picture, Taken, Terms, Textured, Wrap, check, left_out};
 use crate::{Material, Rgb};
 
 /// What messages call things.
@@ -200,9 +198,6 @@ impl Library {
                 if is_instead {
                     material.reflectance = Rgb::splat(GREY);
                 }
-                material.reflectance = limited(material.reflectance, options);
-            } else {
-                warnings.extend(limit(material, options, &TERMS));
             }
         }
         warnings.extend(left_out(name, &found.left_out));
@@ -212,7 +207,7 @@ impl Library {
                 found.respelt.join(", ")
             ));
         }
-        let valid = taken.material.validate();
+        let valid = check(&taken.material, options);
         valid.map_err(|error| ObjError::new(path, ObjFault::Material(error)))?;
         Ok(taken)
     }
