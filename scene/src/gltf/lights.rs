@@ -13,18 +13,19 @@
 //! - Directional lights come from infinitely far away, and are left out.
 //!
 //! The bodies reflect nothing. They do not scale with their nodes. `range` only says where a renderer may leave a light out.
+//! Those of lights that are close together would hide each other; `clusters.rs` keeps them apart.
 //!
 //! # Units
-//! Blender exports lamps of P watts with I = 683 P / (4 pi) in its mode "Standard", and with I = P / (4 pi), which is the one
-//! for this program, in the mode "Unitless".
-
-use std::f64::consts::PI;
+//! Blender exports lamps of P watts with I = 683 P / (4 pi) in its mode "Standard", which is its default, and with
+//! I = P / (4 pi), which is the one for this program, in the mode "Unitless". The file does not say which it was: a warning
+//! names both.
 
 use glam::DVec3;
 use gltf::json::extensions::scene::khr_lights_punctual::{Light, Type};
 use gltf::json::validation::Checked;
 
 use super::GltfFault;
+use super::clusters::{Emitter, Shape, apart};
 use super::document::Document;
 use super::error::wrong;
 use super::names::first_name;
@@ -35,9 +36,6 @@ use crate::{Material, Rgb};
 /// Radius of the bodies, metres.
 const RADIUS: f64 = 0.01;
 
-/// Corners of a disc.
-const DISC: u32 = 16;
-
 /// A body that stands in for a light.
 pub(super) struct Body {
     /// As an object asks for it.
@@ -47,7 +45,19 @@ pub(super) struct Body {
     pub triangles: Vec<[DVec3; 3]>,
 }
 
+/// Names of lights, by what is told of them.
+#[derive(Default)]
+struct Told {
+    points: Vec<String>,
+    spots: Vec<String>,
+    suns: Vec<String>,
+    dark: Vec<String>,
+}
+
 /// What stands in for the lights of nodes.
+///
+/// # Errors
+/// Intensities and colours that are none, and exitances that single precision cannot have.
 pub(super) fn bodies(
     document: &Document,
     placed: &[Placed],
@@ -55,178 +65,162 @@ pub(super) fn bodies(
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Body>, GltfFault> {
     let radius = options.light_radius.unwrap_or(RADIUS);
-    let mut bodies = Vec::new();
-    let (mut points, mut spots, mut suns, mut dark) = (vec![], vec![], vec![], vec![]);
+    let mut told = Told::default();
+    let mut emitters = Vec::new();
     for placed in placed {
         let extensions = placed.node.extensions.as_ref();
-        let Some(found) = extensions.and_then(|e| e.khr_lights_punctual.as_ref()) else {
-            continue;
-        };
-        let light = document.get(found.light)?;
-        let own_names = [placed.node.name.as_ref(), light.name.as_ref()];
-        let name = first_name(own_names, || format!("node {}", placed.index));
-        let exitance = exitance(light, radius).ok_or_else(|| {
+        if let Some(found) = extensions.and_then(|e| e.khr_lights_punctual.as_ref()) {
+            let light = document.get(found.light)?;
+            emitters.extend(emitter(placed, light, options.axes.unit, &mut told)?);
+        }
+    }
+    told.warn(radius, warnings);
+    let generator = document.root.asset.generator.as_deref();
+    if generator.is_some_and(|name| name.contains("Blender")) && !emitters.is_empty() {
+        warnings.push(
+            "the file is from Blender, whose exporter makes lamps 683 times too bright for this program in the lighting mode \
+             \"Standard\", its default: export with the mode \"Unitless\", or give --light-power NAME=W"
+                .to_owned(),
+        );
+    }
+    let bodies = apart(emitters, radius, warnings).into_iter().map(|body| {
+        let exitance = exitance(body.intensity, body.radius).ok_or_else(|| {
             wrong(
-                placed.thing(),
+                format!("light \"{}\"", body.name),
                 format!(
-                    "its light has intensity {} and colour {:?}, which make no exitance (finite, >= 0) of a body of radius {radius} m",
-                    light.intensity, light.color
+                    "its intensity {} W/sr makes an exitance of a body of radius {} m that is no normal number of single \
+                     precision; give another --light-radius",
+                    body.intensity, body.radius
                 ),
             )
         })?;
-        let told = format!("\"{name}\"");
-        if exitance == Rgb::ZERO {
-            dark.push(told);
-            continue;
-        }
-        let centre = options.axes.unit * placed.model_from_node.translation;
-        let triangles = match light.type_ {
-            Checked::Valid(Type::Point) => {
-                points.push(told);
-                sphere(centre, radius)
-            }
-            Checked::Valid(Type::Spot) => {
-                let axis = placed.model_from_node.transform_vector3(DVec3::NEG_Z);
-                let axis = axis.try_normalize().ok_or_else(|| {
-                    wrong(
-                        placed.thing(),
-                        "its transform leaves its spot light no direction",
-                    )
-                })?;
-                spots.push(told);
-                disc(centre, axis, radius)
-            }
-            _ => {
-                suns.push(told);
-                continue;
-            }
-        };
-        bodies.push(Body {
+        Ok(Body {
             material: Material {
-                name: format!("light {name}"),
+                name: format!("light {}", body.name),
                 reflectance: Rgb::ZERO,
                 emission: exitance,
             },
-            name,
-            triangles,
-        });
+            name: body.name,
+            triangles: body.triangles,
+        })
+    });
+    bodies.collect()
+}
+
+/// The light of a node, if something can stand in for it.
+fn emitter(
+    placed: &Placed,
+    light: &Light,
+    unit: f64,
+    told: &mut Told,
+) -> Result<Option<Emitter>, GltfFault> {
+    let name = name(placed, light);
+    let quoted = format!("\"{name}\"");
+    let is_spot = match light.type_ {
+        Checked::Valid(Type::Point) => false,
+        Checked::Valid(Type::Spot) => true,
+        _ => {
+            told.suns.push(quoted);
+            return Ok(None);
+        }
+    };
+    let Light {
+        intensity, color, ..
+    } = light;
+    let intensity_of = |channel: f32| f64::from(*intensity) * f64::from(channel);
+    let of_channels = DVec3::from(color.map(intensity_of));
+    if !(of_channels.is_finite() && of_channels.min_element() >= 0.0) {
+        return Err(wrong(
+            placed.thing(),
+            format!(
+                "its light has intensity {intensity} and colour {color:?}, which have to be finite and at least 0"
+            ),
+        ));
     }
-    warn(&points, warnings, |them| {
-        format!(
-            "point lights have no extent: black spheres of radius {radius} m stand in for {them}, a candela taken as 1 W/sr; \
-             --light-radius R and --light NAME=R,G,B say otherwise"
-        )
-    });
-    warn(&spots, warnings, |them| {
-        format!(
-            "spot lights have no extent: black discs of radius {radius} m stand in for {them}, a candela taken as 1 W/sr; they shine \
-             into the half space in front of them, also outside of their cones"
-        )
-    });
-    warn(&suns, warnings, |them| {
-        format!("directional lights are left out, since they come from infinitely far away: {them}")
-    });
-    warn(&dark, warnings, |them| {
-        format!("lights without intensity are left out: {them}")
-    });
-    Ok(bodies)
+    if of_channels == DVec3::ZERO {
+        told.dark.push(quoted);
+        return Ok(None);
+    }
+    let shape = if is_spot {
+        let axis = placed.model_from_node.transform_vector3(DVec3::NEG_Z);
+        let axis = axis.try_normalize().ok_or_else(|| {
+            wrong(
+                placed.thing(),
+                "its transform leaves its spot light no direction",
+            )
+        })?;
+        told.spots.push(quoted);
+        Shape::Disc { axis }
+    } else {
+        told.points.push(quoted);
+        Shape::Sphere
+    };
+    Ok(Some(Emitter {
+        name,
+        place: unit * placed.model_from_node.translation,
+        shape,
+        intensity: of_channels,
+    }))
+}
+
+/// What a light's object is called: as the node, unless the node's mesh is called so.
+fn name(placed: &Placed, light: &Light) -> String {
+    let of_node = placed.node.name.as_ref();
+    let of_light = light.name.as_ref();
+    let last_resort = || format!("node {}", placed.index);
+    if placed.node.mesh.is_none() {
+        return first_name([of_node, of_light], last_resort);
+    }
+    let of_light = of_light.filter(|&name| Some(name) != of_node);
+    first_name([of_light], || {
+        format!("light of {}", first_name([of_node], last_resort))
+    })
+}
+
+/// The exitance of a body, W/m^2; `None` where single precision cannot have it.
+fn exitance(intensity: DVec3, radius: f64) -> Option<Rgb> {
+    let exact = (intensity / radius / radius).to_array();
+    let single = exact.map(|channel| channel as f32);
+    let is_good = |(value, exact): (&f32, &f64)| value.is_normal() || *exact == 0.0;
+    let mut values = single.iter().zip(&exact);
+    values.all(is_good).then(|| Rgb::from(single))
+}
+
+impl Told {
+    fn warn(&self, radius: f64, warnings: &mut Vec<String>) {
+        warnings.extend(told_of(&self.points, |them| {
+            format!(
+                "point lights have no extent: black spheres of radius {radius} m stand in for {them}, a candela taken as 1 W/sr; \
+                 --light-radius R and --light NAME=R,G,B say otherwise"
+            )
+        }));
+        warnings.extend(told_of(&self.spots, |them| {
+            format!(
+                "spot lights have no extent: black discs of radius {radius} m stand in for {them}, a candela taken as 1 W/sr; they \
+                 shine into the half space in front of them, also outside of their cones"
+            )
+        }));
+        warnings.extend(told_of(&self.suns, |them| {
+            format!(
+                "directional lights are left out, since they come from infinitely far away: {them}"
+            )
+        }));
+        warnings.extend(told_of(&self.dark, |them| {
+            format!("lights without intensity are left out: {them}")
+        }));
+    }
 }
 
 /// Most names in a warning.
 const MOST_NAMED: usize = 3;
 
-fn warn(names: &[String], warnings: &mut Vec<String>, message: impl Fn(&str) -> String) {
-    let named = names[..names.len().min(MOST_NAMED)].join(", ");
+/// What is told of some names, if there are any.
+pub(super) fn told_of(names: &[String], message: impl Fn(&str) -> String) -> Option<String> {
+    let named = names.iter().take(MOST_NAMED).cloned().collect::<Vec<_>>();
+    let named = named.join(", ");
     match names.len().saturating_sub(MOST_NAMED) {
-        0 if names.is_empty() => {}
-        0 => warnings.push(message(&named)),
-        more => warnings.push(message(&format!("{named} and {more} more"))),
-    }
-}
-
-/// The exitance of a light's body, W/m^2.
-fn exitance(light: &Light, radius: f64) -> Option<Rgb> {
-    let scale = f64::from(light.intensity) / (radius * radius);
-    let exitance = light
-        .color
-        .map(|channel| (scale * f64::from(channel)) as f32);
-    let is_good = |value: &f32| value.is_finite() && *value >= 0.0;
-    exitance.iter().all(is_good).then(|| Rgb::from(exitance))
-}
-
-/// A polyhedron of 80 triangles, of the area of a sphere of this radius.
-fn sphere(centre: DVec3, radius: f64) -> Vec<[DVec3; 3]> {
-    let unit: Vec<[DVec3; 3]> = icosahedron()
-        .into_iter()
-        .flat_map(|[a, b, c]| {
-            let [ab, bc, ca] = [a + b, b + c, c + a].map(DVec3::normalize);
-            [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
-        })
-        .collect();
-    let area = |[a, b, c]: &[DVec3; 3]| 0.5 * (b - a).cross(c - a).length();
-    let area: f64 = unit.iter().map(area).sum();
-    let scale = radius * (4.0 * PI / area).sqrt();
-    let place = |corners: [DVec3; 3]| corners.map(|corner| centre + scale * corner);
-    unit.into_iter().map(place).collect()
-}
-
-/// The faces of an icosahedron with corners on the unit sphere: a corner at each pole, and two rings of five between them.
-fn icosahedron() -> Vec<[DVec3; 3]> {
-    // The rings' latitude: atan(1/2).
-    let (height, radius) = (1.0 / 5f64.sqrt(), 2.0 / 5f64.sqrt());
-    let ring = |k: u32, half: f64, height: f64| {
-        let (sin, cos) = (2.0 * PI * (f64::from(k % 5) + half) / 5.0).sin_cos();
-        DVec3::new(radius * cos, radius * sin, height)
-    };
-    let (top, bottom) = (DVec3::Z, DVec3::NEG_Z);
-    let faces = |k: u32| {
-        let [a, b] = [k, k + 1].map(|k| ring(k, 0.0, height));
-        let [c, d] = [k, k + 1].map(|k| ring(k, 0.5, -height));
-        [[top, a, b], [a, c, b], [b, c, d], [bottom, d, c]]
-    };
-    (0..5).flat_map(faces).collect()
-}
-
-/// A regular polygon across an axis, of the area of a disc of this radius.
-fn disc(centre: DVec3, axis: DVec3, radius: f64) -> Vec<[DVec3; 3]> {
-    let step = 2.0 * PI / f64::from(DISC);
-    let scale = radius * (2.0 * PI / (f64::from(DISC) * step.sin())).sqrt();
-    let (x, y) = axis.any_orthonormal_pair();
-    let corner = |k: u32| {
-        let (sin, cos) = (step * f64::from(k % DISC)).sin_cos();
-        centre + scale * (cos * x + sin * y)
-    };
-    (0..DISC)
-        .map(|k| [centre, corner(k), corner(k + 1)])
-        .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn area_vector([a, b, c]: &[DVec3; 3]) -> DVec3 {
-        0.5 * (b - a).cross(c - a)
-    }
-
-    #[test]
-    fn spheres_are_closed_face_outwards_and_have_the_area_of_a_sphere() {
-        let centre = DVec3::new(1.0, 2.0, 3.0);
-        let triangles = sphere(centre, 0.5);
-        assert_eq!(triangles.len(), 80);
-        let sum: DVec3 = triangles.iter().map(area_vector).sum();
-        assert!(sum.length() < 1e-12, "{sum}");
-        for triangle in &triangles {
-            assert!(area_vector(triangle).dot(triangle[0] - centre) > 0.0);
-        }
-        let area: f64 = triangles.iter().map(|t| area_vector(t).length()).sum();
-        assert!((area - PI).abs() < 1e-12, "{area}");
-    }
-
-    #[test]
-    fn discs_face_along_their_axis_and_have_the_area_of_a_disc() {
-        let axis = DVec3::new(1.0, -2.0, 0.5).normalize();
-        let sum: DVec3 = disc(DVec3::ONE, axis, 2.0).iter().map(area_vector).sum();
-        assert!((sum - 4.0 * PI * axis).length() < 1e-12, "{sum}");
+        0 if names.is_empty() => None,
+        0 => Some(message(&named)),
+        more => Some(message(&format!("{named} and {more} more"))),
     }
 }
