@@ -58,7 +58,9 @@ Models:
            triangle has the mean; polygons are fanned, concave ones cut so that nothing overlaps
   FILE.glb, FILE.gltf
            triangles of a glTF 2.0 file: the base colour and its texture are the reflectance, the
-           emissive factor times pi the emission; a small sphere stands in for each point light
+           emissive factor times pi the emission, and a small sphere stands in for each point light,
+           a small disc for each spot light, 1 W/sr a candela. Blender writes 683 candela for 1 W/sr
+           unless its exporter's lighting mode is \"Unitless\"
 
 FILE is any of these files.
 

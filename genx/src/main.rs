@@ -2,6 +2,7 @@
 
 mod cli;
 mod list;
+mod printable;
 mod run;
 
 use std::process::ExitCode;
@@ -12,7 +13,8 @@ fn main() -> ExitCode {
         Err(stop) => return ExitCode::from(stop.print()),
     };
     if let Err(error) = run::run(&request) {
-        eprintln!("genx: error: {error:#}");
+        let error = printable::printable(&format!("{error:#}"));
+        eprintln!("genx: error: {error}");
         return ExitCode::FAILURE;
     }
     ExitCode::SUCCESS

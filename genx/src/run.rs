@@ -12,6 +12,7 @@ use scene::{ObjectId, Scene};
 
 use crate::cli::Request;
 use crate::list;
+use crate::printable::printable;
 
 /// Does what was asked for.
 pub fn run(request: &Request) -> anyhow::Result<()> {
@@ -30,7 +31,7 @@ pub fn run(request: &Request) -> anyhow::Result<()> {
     }
     scene::file::save(&request.out, &made.scene, None)?;
     for warning in &made.warnings {
-        eprintln!("genx: warning: {warning}");
+        eprintln!("genx: warning: {}", printable(warning));
     }
     let mut text = summary(&request.out, &made);
     if request.is_listed {

@@ -251,8 +251,9 @@ fn white_is_nearly_white_unless_it_is_given_something_else() {
     }
     let (found, _) = reflectances(&["--max-reflectance", "0.8"]);
     assert_eq!(found, [Rgb::splat(0.8), Rgb::new(0.8, 0.5, 0.8)]);
-    let (found, _) = reflectances(&["--reflectance", "floor=0.9,0.8,0.7"]);
+    let (found, said) = reflectances(&["--reflectance", "floor=0.9,0.8,0.7"]);
     assert_eq!(found, [lamp, Rgb::new(0.9, 0.8, 0.7)]);
+    assert_eq!(said, "", "what no longer matters is not told");
     let (found, said) = reflectances(&["inf", "0.25", "8"]);
     assert_eq!(found, [lamp, Rgb::splat(0.25)]);
     assert_eq!(said, "");

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::gltf::{Gltf, U8, glb, painted, png, square};
+use common::gltf::{FLOAT, Gltf, U8, glb, painted, png, square};
 use common::{folder, write};
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -38,6 +38,36 @@ fn everything() -> (Value, Vec<u8>) {
     gltf.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "point"}]}});
     gltf.root(json!({"rotation": [0, 0, 1, 0], "children": [2], "extensions": {"KHR_lights_punctual": {"light": 0}}}));
     gltf.push("nodes", json!({"mesh": 0, "scale": [1, 2, -3]}));
+    let moved = gltf.floats(&[[0.0, 0.0, 1.0]; 4]);
+    let colours = gltf.floats(&[[0.5, 1.0, 0.25]; 4]);
+    let joints = gltf.view(&[0, 1, 0, 0].repeat(4));
+    let joints = json!({"bufferView": joints, "componentType": U8, "type": "VEC4", "count": 4});
+    let joints = gltf.push("accessors", joints);
+    let weights = gltf.floats(&[[0.5, 0.5, 0.0, 0.0]; 4]);
+    let matrix = [
+        1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.5, 0.0, 1.0f32,
+    ];
+    let matrices: Vec<u8> = matrix
+        .repeat(2)
+        .iter()
+        .flat_map(|v| v.to_le_bytes())
+        .collect();
+    let matrices = gltf.view(&matrices);
+    let matrices =
+        json!({"bufferView": matrices, "componentType": FLOAT, "type": "MAT4", "count": 2});
+    let matrices = gltf.push("accessors", matrices);
+    gltf.push(
+        "skins",
+        json!({"joints": [1, 2], "inverseBindMatrices": matrices}),
+    );
+    gltf.json["nodes"][2]["skin"] = json!(0);
+    let primitive = &mut gltf.json["meshes"][0]["primitives"][0];
+    primitive["targets"] = json!([{"POSITION": moved, "NORMAL": moved}]);
+    primitive["attributes"]["COLOR_0"] = json!(colours);
+    primitive["attributes"]["JOINTS_0"] = json!(joints);
+    primitive["attributes"]["WEIGHTS_0"] = json!(weights);
+    gltf.json["meshes"][0]["weights"] = json!([0.25]);
+    gltf.push("animations", json!({"channels": [], "samplers": []}));
     gltf.json["buffers"][0]["byteLength"] = json!(gltf.buffer.len());
     (gltf.json, gltf.buffer)
 }

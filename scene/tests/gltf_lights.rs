@@ -328,6 +328,6 @@ fn a_node_with_a_mesh_and_a_light_is_two_objects_without_a_word() {
     gltf.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [point([1.0; 3])]}});
     gltf.json["nodes"][0]["extensions"] = json!({"KHR_lights_punctual": {"light": 0}});
     let model = gltf.load();
-    assert_eq!(model.objects, ["square", "light of square"]);
+    assert_eq!(model.objects, ["square", "square.light"]);
     assert!(!told(&model, "several nodes"), "{:?}", model.report);
 }

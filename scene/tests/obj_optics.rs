@@ -87,7 +87,7 @@ fn faces_that_are_wholly_transparent_are_left_out() {
         "{told}"
     );
     let none = with_mtl("newmtl m\nKd 0.5\nd 0\n").unwrap_err();
-    assert!(none.to_string().contains("nothing is left"), "{none}");
+    assert!(none.to_string().contains("wholly transparent"), "{none}");
 }
 
 /// A square over a picture whose left half is white and whose right half is black, above a grey row at its bottom.

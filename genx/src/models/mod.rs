@@ -11,7 +11,7 @@ mod hall;
 use scene::{Material, ModelAxes, Rgb};
 
 use crate::builder::Builder;
-use crate::{GenxError, Made, Model, Settings, openings};
+use crate::{Format, GenxError, Made, Model, Settings, openings};
 
 /// Reflectance of the models that have no colours of their own, dimensionless.
 const DEFAULT_REFLECTANCE: f32 = 0.5;
@@ -37,7 +37,20 @@ pub fn make(settings: &Settings) -> Result<Made, GenxError> {
     };
     if made.scene.emitted_power().max_element() <= 0.0 {
         made.warnings.push(
-            "nothing emits, so every solution is black; give a material an emission (MTL: Ke), or a material or object a light: --light NAME=R,G,B"
+            "nothing emits, so every solution is black; give a material an emission (MTL: Ke, glTF: emissiveFactor), or a material or object a light: --light NAME=R,G,B"
+                .to_owned(),
+        );
+    }
+    let has_lights = matches!(
+        settings.model,
+        Model::File {
+            format: Format::Gltf,
+            ..
+        }
+    );
+    if settings.light_radius.is_some() && !has_lights {
+        made.warnings.push(
+            "--light-radius changes nothing here: only glTF files have lights without extent"
                 .to_owned(),
         );
     }

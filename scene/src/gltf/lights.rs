@@ -88,7 +88,7 @@ pub(super) fn bodies(
             wrong(
                 format!("light \"{}\"", body.name),
                 format!(
-                    "its intensity {} W/sr makes an exitance of a body of radius {} m that is no normal number of single \
+                    "its intensity {} W/sr makes an exitance of a body of radius {:?} m that is no normal number of single \
                      precision; give another --light-radius",
                     body.intensity, body.radius
                 ),
@@ -173,7 +173,7 @@ fn name(placed: &Placed, light: &Light) -> String {
     }
     let of_light = of_light.filter(|&name| Some(name) != of_node);
     first_name([of_light], || {
-        format!("light of {}", first_name([of_node], last_resort))
+        format!("{}.light", first_name([of_node], last_resort))
     })
 }
 

@@ -105,8 +105,10 @@ pub(super) fn build(
     }
     draft.warn_of_absent();
     if draft.pieces.is_empty() {
-        return Err(ObjFault::NothingLeft {
-            triangles: draft.triangles,
+        let triangles = draft.triangles;
+        return Err(match first_lines.degenerate {
+            Some(_) => ObjFault::NothingLeft { triangles },
+            None => ObjFault::AllTransparent { triangles },
         });
     }
     first_lines.warn(overlapping, draft.triangles, &mut draft.report);

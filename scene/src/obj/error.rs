@@ -60,6 +60,10 @@ pub enum ObjFault {
         value: f64,
         from_centre: f64,
     },
+    #[error(
+        "all {triangles} triangles have materials that are wholly transparent; nothing is left"
+    )]
+    AllTransparent { triangles: usize },
     #[error("all {triangles} triangles are degenerate (no area beyond rounding); nothing is left")]
     NothingLeft { triangles: usize },
     #[error(transparent)]
