@@ -32,6 +32,7 @@ const NARROW: f64 = 0.25;
 const ALIGNED: f64 = 0.89;
 
 /// A light that something stands in for.
+#[derive(Clone, Debug)]
 pub(super) struct Emitter {
     pub name: String,
     /// Metres.
@@ -162,5 +163,81 @@ impl Clusters {
             self.by_cell.entry(cell).or_default().push(index);
         }
         &mut self.all[index]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn centre(body: &Body) -> DVec3 {
+        let corners = body.triangles.as_flattened();
+        corners.iter().sum::<DVec3>() / corners.len() as f64
+    }
+
+    /// How far its corners are from some point, at least and at most.
+    fn distances(body: &Body, point: DVec3) -> [f64; 2] {
+        let corners = body.triangles.iter().flatten();
+        corners.fold([f64::INFINITY, 0.0], |[low, high], corner| {
+            let distance = corner.distance(point);
+            [low.min(distance), high.max(distance)]
+        })
+    }
+
+    fn normal(body: &Body) -> DVec3 {
+        let area = |[a, b, c]: &[DVec3; 3]| (b - a).cross(c - a);
+        body.triangles.iter().map(area).sum::<DVec3>().normalize()
+    }
+
+    /// Whether a disc is wholly behind another body's plane, or away from its ball.
+    fn is_clear(disc: &Body, other: &Body) -> bool {
+        let middle = centre(other);
+        let [_, reach] = distances(other, middle);
+        let is_away = distances(disc, middle)[0].min(centre(disc).distance(middle)) > reach;
+        let front = normal(disc);
+        let corners = other.triangles.iter().flatten();
+        let mut heights = corners.map(|&corner| (corner - centre(disc)).dot(front));
+        is_away || heights.all(|height| height < 0.0)
+    }
+
+    fn emitter() -> impl Strategy<Value = Emitter> {
+        let place = prop::array::uniform3(-3.0..3.0f64).prop_map(DVec3::from);
+        let axis = prop::array::uniform3(-1.0..1.0f64).prop_map(DVec3::from);
+        (place, prop::option::of(axis)).prop_map(|(place, axis)| Emitter {
+            name: String::new(),
+            place,
+            shape: match axis.and_then(DVec3::try_normalize) {
+                Some(axis) => Shape::Disc { axis },
+                None => Shape::Sphere,
+            },
+            intensity: DVec3::ONE,
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+        /// Bodies keep all intensity, spheres do not touch, and discs are outside of all others or see nothing of them.
+        #[test]
+        fn bodies_are_apart(emitters in prop::collection::vec(emitter(), 1..12)) {
+            let count = emitters.len() as f64;
+            let bodies = apart(emitters, 1.0, &mut Vec::new());
+            let total: f64 = bodies.iter().map(|body| body.intensity.x).sum();
+            prop_assert!((total - count).abs() < 1e-9, "{total} {count}");
+            let is_sphere = |body: &Body| body.triangles.len() == 80;
+            for (k, body) in bodies.iter().enumerate() {
+                for other in &bodies[k + 1..] {
+                    let is_apart = match [is_sphere(body), is_sphere(other)] {
+                        [true, true] => centre(body).distance(centre(other)) > 2.0 * 1.05,
+                        [true, false] => is_clear(other, body),
+                        [false, true] => is_clear(body, other),
+                        [false, false] => is_clear(body, other) && is_clear(other, body),
+                    };
+                    prop_assert!(is_apart, "{:?} {:?}", centre(body), centre(other));
+                }
+            }
+        }
     }
 }

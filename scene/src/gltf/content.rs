@@ -228,7 +228,7 @@ fn parts<'a>(
         if has_no_positions(primitive) {
             continue;
         }
-        let material = materials.number(primitive.material, &mut report.warnings)?;
+        let material = materials.number(primitive, &mut report.warnings)?;
         let used = materials.used(material);
         let thing = format!("meshes[{index}].primitives[{k}]");
         parts.push(Part {

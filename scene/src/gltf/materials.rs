@@ -4,9 +4,9 @@ use std::collections::HashMap;
 use std::f32::consts::PI;
 
 use glam::{DMat2, DVec2};
-use gltf::json::Index;
 use gltf::json::extensions::material::PbrSpecularGlossiness;
 use gltf::json::material::{AlphaMode, Material as Described};
+use gltf::json::mesh::{Primitive, Semantic};
 use gltf::json::texture::Info;
 use gltf::json::validation::Checked;
 
@@ -49,10 +49,19 @@ pub(super) struct Materials<'a> {
     document: &'a Document,
     pictures: Pictures<'a>,
     options: &'a ImportOptions,
-    /// By the file's number; `None` for faces without a material.
-    numbers: HashMap<Option<usize>, usize>,
+    numbers: HashMap<Key, usize>,
     taken: Vec<Taken>,
     used: Vec<Used>,
+}
+
+/// What a primitive says of its material.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Key {
+    /// The file's number.
+    Described(usize),
+    /// It has none, but vertex colours.
+    Coloured,
+    Without,
 }
 
 /// What the triangles of a material need.
@@ -77,24 +86,23 @@ impl<'a> Materials<'a> {
         }
     }
 
-    /// The number of the material of some faces.
+    /// The number of the material of a primitive's faces.
     pub(super) fn number(
         &mut self,
-        material: Option<Index<Described>>,
+        primitive: &Primitive,
         warnings: &mut Vec<String>,
     ) -> Result<usize, GltfFault> {
-        let key = material.map(|index| index.value());
+        let colours = Checked::Valid(Semantic::Colors(0));
+        let key = match primitive.material {
+            Some(index) => Key::Described(index.value()),
+            None if primitive.attributes.contains_key(&colours) => Key::Coloured,
+            None => Key::Without,
+        };
         if let Some(&number) = self.numbers.get(&key) {
             return Ok(number);
         }
-        let (taken, used) = match material {
-            None => {
-                let used = Used {
-                    is_tinted: self.options.reflectance.is_none(),
-                    ..Used::PLAIN
-                };
-                (self.without(warnings), used)
-            }
+        let (taken, used) = match primitive.material {
+            None => self.without(key == Key::Coloured, warnings),
             Some(index) => {
                 let described = self.document.get(index)?;
                 let name = first_name([described.name.as_ref()], || format!("material {index}"));
@@ -122,17 +130,29 @@ impl<'a> Materials<'a> {
         self.taken
     }
 
-    /// What stands in for a material where faces have none.
-    fn without(&self, warnings: &mut Vec<String>) -> Taken {
-        let reflectance = self.options.reflectance.unwrap_or(GREY);
-        warnings.push(format!(
-            "some primitives have no material; they are grey with reflectance {reflectance}"
-        ));
-        plain(Material {
+    /// What stands in for a material where faces have none: their vertex colours, else a grey.
+    fn without(&self, has_colours: bool, warnings: &mut Vec<String>) -> (Taken, Used) {
+        let is_tinted = has_colours && self.options.reflectance.is_none();
+        let reflectance = if is_tinted {
+            1.0
+        } else {
+            self.options.reflectance.unwrap_or(GREY)
+        };
+        if !is_tinted {
+            warnings.push(format!(
+                "some primitives have no material; they are grey with reflectance {reflectance}"
+            ));
+        }
+        let taken = plain(Material {
             name: "default".to_owned(),
             reflectance: Rgb::splat(reflectance),
             emission: Rgb::ZERO,
-        })
+        });
+        let used = Used {
+            is_tinted,
+            ..Used::PLAIN
+        };
+        (taken, used)
     }
 
     fn taken(

@@ -8,8 +8,8 @@
 //!   numbers: "Cube", "Cube.2".
 //! - The base colour is the reflectance: the factor, which is linear, times the mean of the texture over each triangle
 //!   (`import/texture_mean.rs`), times the mean of the corners' vertex colours (`COLOR_0`, section 3.9.2). A metal has it too,
-//!   although it does not reflect diffusely. A reflectance of 1 or more is 0.95; primitives without a material have a grey
-//!   of 0.5. Of `KHR_materials_pbrSpecularGlossiness` the diffuse colour counts.
+//!   although it does not reflect diffusely. A reflectance of 1 or more is 0.95; primitives without a material have their
+//!   vertex colours, else a grey of 0.5. Of `KHR_materials_pbrSpecularGlossiness` the diffuse colour counts.
 //! - The emissive factor, times `KHR_materials_emissive_strength` and the mean of the texture, is a radiance L, W/(m^2 sr);
 //!   the emission is the exitance M = pi L of a diffuse emitter.
 //! - Double-sided materials have fronts on both sides.
