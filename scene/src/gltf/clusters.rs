@@ -14,7 +14,7 @@ use std::collections::HashMap;
 
 use glam::{DVec3, I64Vec3};
 
-use super::lights::told_of;
+use super::names::told_of;
 use super::shapes::{disc, sphere};
 
 /// How close a light is to a place to belong to it, radii: more than twice a disc's reach, 2 x 1.13, and than those of a disc

@@ -28,7 +28,7 @@ use super::GltfFault;
 use super::clusters::{Emitter, Shape, apart};
 use super::document::Document;
 use super::error::wrong;
-use super::names::first_name;
+use super::names::{first_name, told_of};
 use super::nodes::Placed;
 use crate::import::ImportOptions;
 use crate::{Material, Rgb};
@@ -208,19 +208,5 @@ impl Told {
         warnings.extend(told_of(&self.dark, |them| {
             format!("lights without intensity are left out: {them}")
         }));
-    }
-}
-
-/// Most names in a warning.
-const MOST_NAMED: usize = 3;
-
-/// What is told of some names, if there are any.
-pub(super) fn told_of(names: &[String], message: impl Fn(&str) -> String) -> Option<String> {
-    let named = names.iter().take(MOST_NAMED).cloned().collect::<Vec<_>>();
-    let named = named.join(", ");
-    match names.len().saturating_sub(MOST_NAMED) {
-        0 if names.is_empty() => None,
-        0 => Some(message(&named)),
-        more => Some(message(&format!("{named} and {more} more"))),
     }
 }

@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 use std::f32::consts::PI;
 
-use glam::{DMat2, DVec2};
 use gltf::json::extensions::material::PbrSpecularGlossiness;
 use gltf::json::material::{AlphaMode, Material as Described};
 use gltf::json::mesh::{Primitive, Semantic};
@@ -13,7 +12,7 @@ use gltf::json::validation::Checked;
 use super::GltfFault;
 use super::document::Document;
 use super::names::first_name;
-use super::pictures::Pictures;
+use super::pictures::{Mapping, Pictures};
 use crate::import::{GREY, ImportOptions, Taken, Terms, Textured, check, left_out};
 use crate::{Material, Rgb};
 
@@ -26,23 +25,6 @@ pub(super) const TERMS: Terms = Terms {
 
 /// Metalness up to this is that of any dull surface, dimensionless.
 const METAL: f32 = 0.05;
-
-/// Where texture coordinates are in a picture.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Mapping {
-    /// The number of the coordinates' set.
-    pub set: u32,
-    /// What they are multiplied by.
-    pub scaled: DMat2,
-    /// What is then added.
-    pub offset: DVec2,
-}
-
-impl Mapping {
-    pub(super) fn apply(&self, coordinates: DVec2) -> DVec2 {
-        self.scaled * coordinates + self.offset
-    }
-}
 
 /// The materials that faces use, by first use.
 pub(super) struct Materials<'a> {

@@ -1,4 +1,4 @@
-//! What things are called.
+//! What things are called, and how they are told.
 
 use std::collections::{HashMap, HashSet};
 
@@ -10,6 +10,20 @@ pub(super) fn first_name<'a>(
     let mut names = names.into_iter().flatten();
     let name = names.find(|name| !name.trim().is_empty());
     name.cloned().unwrap_or_else(last_resort)
+}
+
+/// Most names in a warning.
+const MOST_NAMED: usize = 3;
+
+/// What is told of some names, if there are any.
+pub(super) fn told_of(names: &[String], message: impl Fn(&str) -> String) -> Option<String> {
+    let named = names.iter().take(MOST_NAMED).cloned().collect::<Vec<_>>();
+    let named = named.join(", ");
+    match names.len().saturating_sub(MOST_NAMED) {
+        0 if names.is_empty() => None,
+        0 => Some(message(&named)),
+        more => Some(message(&format!("{named} and {more} more"))),
+    }
 }
 
 /// Names of objects, no two of which are equal.

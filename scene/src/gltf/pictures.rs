@@ -11,10 +11,26 @@ use gltf::json::{Index, texture::Sampler};
 use super::GltfFault;
 use super::document::Document;
 use super::error::wrong;
-use super::materials::Mapping;
 use super::uri::{Meaning, meaning};
 use crate::Rgb;
 use crate::import::{Picture, Textured, Wrap};
+
+/// Where texture coordinates are in a picture.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Mapping {
+    /// The number of the coordinates' set.
+    pub set: u32,
+    /// What they are multiplied by.
+    pub scaled: DMat2,
+    /// What is then added.
+    pub offset: DVec2,
+}
+
+impl Mapping {
+    pub(super) fn apply(&self, coordinates: DVec2) -> DVec2 {
+        self.scaled * coordinates + self.offset
+    }
+}
 
 /// The pictures of a document, each of which is taken out of it once.
 pub(super) struct Pictures<'a> {

@@ -17,6 +17,7 @@ mod draft;
 pub(crate) mod files;
 mod looks;
 pub(crate) mod origin;
+mod part;
 mod reflectance;
 mod repairs;
 mod texels;

@@ -14,10 +14,11 @@
 
 use glam::{DVec2, DVec3};
 
+use super::part::Part;
 use super::texels::{Grid, Texels};
 use super::wrap::{Axis, Wrap};
 use crate::Rgb;
-use crate::planar::{clip, turn};
+use crate::planar::turn;
 
 /// The most cells that are looked at for one triangle.
 const MOST_CELLS: f64 = 65536.0;
@@ -106,22 +107,16 @@ impl<'a> Triangle<'a> {
         0.5 * turn(a, b, c).abs()
     }
 
-    /// Where a point is whose barycentric coordinates with respect to the second and third corner these are.
-    fn at(&self, p: DVec2) -> DVec2 {
-        let [a, b, c] = self.corners;
-        (1.0 - p.x - p.y) * a + p.x * b + p.y * c
-    }
-
     /// The mean; `None` where rounding leaves nothing of the triangle.
     fn mean(&self) -> Option<DVec3> {
         let [columns, rows] = self.axes;
-        let whole = [DVec2::ZERO, DVec2::X, DVec2::Y];
+        let whole = Part::whole(self.corners);
         let [low, high] = range(self.corners.map(|corner| corner.y));
         let of_inner = 1.0 / self.area();
         let (mut sum, mut total) = (DVec3::ZERO, 0.0);
         for row in rows.cells(low, high) {
-            let strip = between(&whole, rows.bounds(row), |p| self.at(p).y);
-            let [low, high] = range(strip.iter().map(|&p| self.at(p).x));
+            let strip = whole.between(1, rows.bounds(row));
+            let [low, high] = range(strip.points().iter().map(|point| point.at.x));
             if low > high {
                 continue;
             }
@@ -132,7 +127,7 @@ impl<'a> Triangle<'a> {
                 let share = if is_inner && (right - left).is_finite() {
                     of_inner
                 } else {
-                    share_of(&between(&strip, [left, right], |p| self.at(p).x))
+                    strip.between(0, [left, right]).share()
                 };
                 let [column, row] = [columns.texel(column), rows.texel(row)];
                 sum += share * self.grid.get(column, row);
@@ -158,30 +153,6 @@ impl<'a> Triangle<'a> {
         });
         range(crossings)
     }
-}
-
-/// The part of a convex polygon in which a linear function of its points is within bounds.
-fn between(polygon: &[DVec2], [low, high]: [f64; 2], value: impl Fn(DVec2) -> f64) -> Vec<DVec2> {
-    let mut part = polygon.to_vec();
-    if low.is_finite() {
-        part = clip(&part, |p| value(p) - low);
-    }
-    if high.is_finite() {
-        part = clip(&part, |p| high - value(p));
-    }
-    part
-}
-
-/// The area of a convex polygon in barycentric coordinates, as a share of that of the triangle, which is 1/2.
-fn share_of(polygon: &[DVec2]) -> f64 {
-    let Some((&first, rest)) = polygon.split_first() else {
-        return 0.0;
-    };
-    let sides = rest.iter().zip(rest.iter().skip(1));
-    sides
-        .map(|(&p, &q)| turn(first, p, q))
-        .sum::<f64>()
-        .max(0.0)
 }
 
 /// The least and the largest of some numbers.
