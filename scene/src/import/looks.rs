@@ -7,21 +7,11 @@ use glam::DVec2;
 
 use super::ImportOptions;
 use super::reflectance::{limited, told};
+use super::terms::Terms;
 use super::texture::{Picture, Textures};
 use super::texture_mean::{mean, rounded};
 use super::wrap::Wrap;
 use crate::{Material, MaterialId, Rgb};
-
-/// What a format calls things, for messages.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Terms {
-    /// The colour of a material.
-    pub colour: &'static str,
-    /// Texture coordinates.
-    pub coordinates: &'static str,
-    /// What counts where a picture cannot be read.
-    pub without_picture: &'static str,
-}
 
 /// A material as faces have it.
 #[derive(Clone, Debug)]

@@ -20,6 +20,7 @@ pub(crate) mod origin;
 mod part;
 mod reflectance;
 mod repairs;
+mod terms;
 mod texels;
 mod texture;
 mod texture_mean;
@@ -30,8 +31,9 @@ use std::path::PathBuf;
 use glam::DVec3;
 
 pub(crate) use draft::{Draft, Piece};
-pub(crate) use looks::{Coordinates, Looks, Place, Taken, Terms, Textured, left_out};
+pub(crate) use looks::{Coordinates, Looks, Place, Taken, Textured, left_out};
 pub(crate) use reflectance::{GREY, check};
+pub(crate) use terms::Terms;
 pub(crate) use texture::Picture;
 pub(crate) use wrap::Wrap;
 

@@ -1,7 +1,7 @@
 //! Reflectances that no surface has, and what is taken for them.
 
 use super::ImportOptions;
-use super::looks::Terms;
+use super::terms::Terms;
 use crate::{Material, Rgb, SceneError};
 
 /// Reflectance of what has none, dimensionless.

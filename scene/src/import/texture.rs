@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use image::{DynamicImage, ImageDecoder, ImageError, ImageReader, Limits};
 
-use super::looks::Terms;
+use super::terms::Terms;
 use super::texels::Texels;
 
 /// The most texels along a side.
