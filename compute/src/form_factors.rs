@@ -182,6 +182,11 @@ impl<'a> FormFactors<'a> {
         self.scene
     }
 
+    /// What decides them.
+    pub fn settings(&self) -> FormFactorSettings {
+        self.settings
+    }
+
     /// Among what the scene is solved, where sources are to be so coarse.
     pub fn levels(&self, source_area: SourceArea) -> Levels {
         match source_area {

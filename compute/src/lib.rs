@@ -26,6 +26,7 @@ pub mod delta_form_factors;
 pub mod energy;
 pub mod form_factors;
 pub mod form_factors_csv;
+pub mod function;
 pub mod gather;
 #[cfg(feature = "gpu")]
 pub mod gpu;

@@ -9,6 +9,7 @@ use serde::Serialize;
 use crate::backend::Trial;
 use crate::certificate::Certificate;
 use crate::energy::{Closure, Energy};
+use crate::function::FunctionReport;
 use crate::quantity::{show_duration, show_size};
 use crate::settings::{SolutionSettings, SolveSettings};
 use crate::solve::{Seconds, Solved, SourcesReport, StoppedBy};
@@ -67,6 +68,8 @@ pub struct Report {
     pub back_face_share: Option<f64>,
     /// What the form factors and the solution are worth.
     pub certificate: Certificate,
+    /// What the irradiance function came to; null where none was asked for.
+    pub function: Option<FunctionReport>,
     /// Why it ended.
     pub stopped_by: StoppedBy,
 }
@@ -177,6 +180,7 @@ impl Report {
             closure: solved.closure,
             back_face_share: solved.back_face_share,
             certificate: solved.certificate().clone(),
+            function: solved.function,
             stopped_by: solved.stopped_by,
         }
     }
@@ -205,6 +209,27 @@ impl Report {
         let convergence = self.convergence.as_ref()?;
         (self.stopped_by == StoppedBy::Tolerance)
             .then(|| convergence.warning(self.settings.tolerance))?
+    }
+
+    /// What became of the emitted power.
+    fn power_lines(&self) -> Vec<String> {
+        let [r, g, b] = self.energy.emitted_w;
+        let mut lines = vec![format!(
+            "emitted power  {:.6} W (red {r:.6}, green {g:.6}, blue {b:.6})",
+            r + g + b
+        )];
+        if let Some(imbalance) = self.energy.imbalance {
+            let sum = |w: Option<[f64; 3]>| w.map_or(0.0, |w| w.iter().sum());
+            let share = |power: f64| 100.0 * power / (r + g + b);
+            lines.push(format!(
+                "power balance  absorbed {:.3} %, lost through openings {:.3} %, to back faces {:.3} %, imbalance {:.3} %",
+                share(self.energy.absorbed_w.iter().sum()),
+                share(sum(self.energy.lost_w)),
+                share(sum(self.energy.back_faces_w)),
+                100.0 * imbalance,
+            ));
+        }
+        lines
     }
 
     /// A few lines for people.
@@ -252,22 +277,7 @@ impl Report {
                 self.rows.read
             ));
         }
-        let [r, g, b] = self.energy.emitted_w;
-        lines.push(format!(
-            "emitted power  {:.6} W (red {r:.6}, green {g:.6}, blue {b:.6})",
-            r + g + b
-        ));
-        if let Some(imbalance) = self.energy.imbalance {
-            let sum = |w: Option<[f64; 3]>| w.map_or(0.0, |w| w.iter().sum());
-            let share = |power: f64| 100.0 * power / (r + g + b);
-            lines.push(format!(
-                "power balance  absorbed {:.3} %, lost through openings {:.3} %, to back faces {:.3} %, imbalance {:.3} %",
-                share(self.energy.absorbed_w.iter().sum()),
-                share(sum(self.energy.lost_w)),
-                share(sum(self.energy.back_faces_w)),
-                100.0 * imbalance,
-            ));
-        }
+        lines.extend(self.power_lines());
         if let Some(closure) = self.closure {
             lines.push(format!(
                 "row sums       {:.6} to {:.6}, mean {:.6}",
@@ -284,6 +294,9 @@ impl Report {
                 sources.max_area,
                 100.0 * sources.gathered_share,
             ));
+        }
+        if let Some(function) = &self.function {
+            lines.push(format!("error          {function}"));
         }
         lines.push(format!("certificate    {}", self.certificate.summary()));
         let residual = self

@@ -5,6 +5,7 @@ use std::str::FromStr;
 use std::time::Duration;
 
 use scene::RecordedSettings;
+
 use serde::{Serialize, Serializer};
 use serde_json::json;
 
@@ -331,6 +332,17 @@ impl SolutionSettings {
     }
 }
 
+/// What is asked of an irradiance function, see [`crate::function`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Target {
+    /// The largest power error, relative.
+    pub power: Option<f64>,
+    /// The largest visible error, relative.
+    pub visible: Option<f64>,
+    /// The most vertices.
+    pub most_vertices: u32,
+}
+
 /// How a scene is solved, and how far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolveSettings {
@@ -348,6 +360,8 @@ pub struct SolveSettings {
     pub checkpoint_every: Duration,
     /// Whether all rows are drawn, those too that the solution does not need, so that they can be certified.
     pub all_rows: bool,
+    /// What the irradiance function is asked for that is gathered in the end; `None` where patches' means are all.
+    pub target: Option<Target>,
 }
 
 /// As a run has it by default.
@@ -361,6 +375,7 @@ impl Default for SolveSettings {
             time_limit: None,
             checkpoint_every: Duration::from_mins(1),
             all_rows: false,
+            target: None,
         }
     }
 }

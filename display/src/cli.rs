@@ -32,10 +32,13 @@ struct Args {
     /// Which values are shown, both in W/m^2
     #[arg(long, default_value = "radiosity")]
     quantity: QuantityArg,
-    /// Interpolate between patches, but not over creases or between materials [default: each patch in one
-    /// colour]
+    /// Interpolate between patches, but not over creases or between materials, where the file has no light between
+    /// them [default: each patch in one colour]
     #[arg(long)]
     smooth: bool,
+    /// Show each patch in one colour even where the file has the light between them (compute --target-error)
+    #[arg(long, conflicts_with = "smooth")]
+    flat: bool,
     /// Leave out the backs of surfaces, to look into closed rooms [default: they are black]
     #[arg(long)]
     cull_back: bool,
@@ -155,6 +158,7 @@ impl Args {
                     QuantityArg::Irradiance => Quantity::Irradiance,
                 },
                 smooth: self.smooth || self.style == Some(Style::S),
+                flat: self.flat,
                 cull_back_faces: self.cull_back,
                 size: self.size,
                 eye: self.eye,

@@ -12,7 +12,7 @@ use crate::default_camera::{self, Framing, Wishes};
 use crate::legend::{self, Clipped, Layout};
 use crate::range;
 use crate::settings::{Mode, Quantity, RenderSettings, SettingsError, Size};
-use crate::shade::{self, Light, Seen, Shading};
+use crate::shade::{self, Light, Seen, Shading, ShownFunction};
 use crate::smooth::VertexValues;
 use crate::text::Canvas;
 use crate::tone::{Tone, to_srgb8};
@@ -88,10 +88,14 @@ pub fn render(
             seen,
         });
     };
-    let shading = if settings.smooth {
-        Shading::Smooth(VertexValues::new(scene, &values))
-    } else {
-        Shading::flat(&values, &tone)
+    let function = solution.and_then(|solution| solution.function.as_ref());
+    let shading = match function.filter(|_| !settings.flat) {
+        Some(function) => {
+            let is_radiosity = settings.quantity == Quantity::Radiosity;
+            Shading::Function(ShownFunction::new(scene, function, is_radiosity, &values))
+        }
+        None if settings.smooth => Shading::Smooth(VertexValues::new(scene, &values)),
+        None => Shading::flat(&values, &tone),
     };
     let mut light = shade::light(scene, &camera, view, cull, &shading, &tone);
     let is_dark = light.linear.iter().all(|&value| value == Rgb::ZERO);
@@ -163,8 +167,8 @@ pub fn id_color(patch: PatchId) -> [u8; 3] {
 /// The values to show, W/m^2, one per patch.
 fn patch_values(scene: &Scene, solution: Option<&Solution>, quantity: Quantity) -> Vec<Rgb> {
     match (solution, quantity) {
-        (Some(solution), Quantity::Radiosity) => solution.radiosity(scene),
-        (Some(solution), Quantity::Irradiance) => solution.irradiance.clone(),
+        (Some(solution), Quantity::Radiosity) => solution.mean_radiosity(scene),
+        (Some(solution), Quantity::Irradiance) => solution.mean_irradiance(scene),
         (None, Quantity::Radiosity) => scene.patch_emissions(),
         (None, Quantity::Irradiance) => vec![Rgb::ZERO; scene.patch_count() as usize],
     }

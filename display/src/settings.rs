@@ -90,8 +90,10 @@ pub struct RenderSettings {
     pub mode: Mode,
     /// Which values.
     pub quantity: Quantity,
-    /// Interpolate between patches.
+    /// Interpolate between patches where there is no irradiance function.
     pub smooth: bool,
+    /// One value a patch even where there is an irradiance function.
+    pub flat: bool,
     /// Leave out the backs of surfaces, which are black otherwise.
     pub cull_back_faces: bool,
     /// Size of the whole picture, legend included.
@@ -150,6 +152,9 @@ impl RenderSettings {
         }
         if self.mode == Mode::Ids && self.smooth {
             return Err(SettingsError::IdsWith { option: "--smooth" });
+        }
+        if self.mode == Mode::Ids && self.flat {
+            return Err(SettingsError::IdsWith { option: "--flat" });
         }
         Ok(())
     }

@@ -2,14 +2,15 @@
 //!
 //! A picture is cut into bands of rows, each with its own item buffer of [`SAMPLES`] x [`SAMPLES`]
 //! rays a pixel on a regular grid. A ray that meets the front of a surface sees the value of the
-//! patch there; the back of a surface, and nothing at all, are black. Bands are independent and a
+//! patch there, or that of the irradiance function; the back of a surface, and nothing at all, are black. Bands are independent and a
 //! pixel's samples are summed in a fixed order, so a picture does not depend on the number of
 //! threads.
 
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use scene::{PatchId, Rgb, Scene};
+use scene::function::IrradianceFunction;
+use scene::{PatchId, Rgb, Scene, SurfaceId};
 use visibility::{Canvas, Cull, Drawable, Eye, Sample, View, Viewer, Window};
 
 use crate::camera::Camera;
@@ -31,6 +32,67 @@ pub enum Shading<'a> {
     Flat(&'a [Rgb], Vec<Rgb>),
     /// Interpolated in each patch.
     Smooth(VertexValues),
+    /// The irradiance function.
+    Function(ShownFunction<'a>),
+}
+
+/// A function of which an affine image is shown: E + rho H, or H itself.
+#[derive(Clone, Debug)]
+pub struct ShownFunction<'a> {
+    scene: &'a Scene,
+    function: &'a IrradianceFunction,
+    /// Whether it is the radiosity that is shown.
+    is_radiosity: bool,
+    /// One per patch, W/m^2, for surfaces that have no other values.
+    means: &'a [Rgb],
+}
+
+impl<'a> ShownFunction<'a> {
+    /// The radiosity or the irradiance by this function; `means` has that of patches, W/m^2.
+    pub fn new(
+        scene: &'a Scene,
+        function: &'a IrradianceFunction,
+        is_radiosity: bool,
+        means: &'a [Rgb],
+    ) -> Self {
+        Self {
+            scene,
+            function,
+            is_radiosity,
+            means,
+        }
+    }
+
+    #[inline]
+    fn at(&self, front: &Front) -> Rgb {
+        let Front {
+            surface,
+            barycentric,
+            patch,
+            ..
+        } = *front;
+        let values = self.function.irradiance();
+        match self.function.interpolate(values, surface, barycentric) {
+            // Beyond the border by a rounding it may be below 0 by as little.
+            Some(irradiance) if self.is_radiosity => {
+                let material = self.scene.material(self.scene.surface(surface).material);
+                material.emission + material.reflectance * irradiance.max(Rgb::ZERO)
+            }
+            Some(irradiance) => irradiance.max(Rgb::ZERO),
+            None => self.means[patch.index()],
+        }
+    }
+}
+
+/// Where a ray meets a surface from the front.
+#[derive(Clone, Copy, Debug)]
+struct Front {
+    surface: SurfaceId,
+    /// In the surface.
+    barycentric: [f32; 3],
+    patch: PatchId,
+    /// In the patch.
+    local: [f32; 3],
 }
 
 impl<'a> Shading<'a> {
@@ -42,16 +104,18 @@ impl<'a> Shading<'a> {
         )
     }
 
-    /// The value at a point of a patch, and its display light.
+    /// The value where a ray meets a surface, and its display light.
     #[inline]
-    fn at(&self, patch: PatchId, local: [f32; 3], tone: &Tone) -> [Rgb; 2] {
-        match self {
-            Self::Flat(values, lights) => [values[patch.index()], lights[patch.index()]],
-            Self::Smooth(values) => {
-                let value = values.at(patch, local);
-                [value, tone.display_light(value)]
+    fn at(&self, front: &Front, tone: &Tone) -> [Rgb; 2] {
+        let value = match self {
+            Self::Flat(values, lights) => {
+                let patch = front.patch.index();
+                return [values[patch], lights[patch]];
             }
-        }
+            Self::Smooth(values) => values.at(front.patch, front.local),
+            Self::Function(function) => function.at(front),
+        };
+        [value, tone.display_light(value)]
     }
 }
 
@@ -111,8 +175,8 @@ pub fn light(
         .zip(display.par_chunks_mut(bands.pixels()))
         .enumerate()
         .map_init(Canvas::default, |canvas, (band, (linear, display))| {
-            let seen = bands.for_each_front(canvas, band, |pixel, patch, local| {
-                let [value, light] = shading.at(patch, local, tone);
+            let seen = bands.for_each_front(canvas, band, |pixel, front| {
+                let [value, light] = shading.at(&front, tone);
                 linear[pixel] += value;
                 display[pixel] += light;
             });
@@ -139,7 +203,7 @@ pub fn ids(scene: &Scene, camera: &Camera, size: Size, cull: Cull) -> (Vec<Optio
         .par_chunks_mut(bands.pixels())
         .enumerate()
         .map_init(Canvas::default, |canvas, (band, ids)| {
-            bands.for_each_front(canvas, band, |pixel, patch, _| ids[pixel] = Some(patch))
+            bands.for_each_front(canvas, band, |pixel, front| ids[pixel] = Some(front.patch))
         })
         .reduce(Seen::default, Seen::plus);
     (ids, seen)
@@ -199,13 +263,12 @@ impl<'a> Bands<'a> {
         }
     }
 
-    /// Draws a band, and hands out the patch and the place in it that each ray meets from the
-    /// front, with its pixel's index in the band.
+    /// Draws a band, and hands out where each ray meets a surface from the front, with its pixel's index in the band.
     fn for_each_front(
         &self,
         canvas: &mut Canvas,
         band: usize,
-        mut take: impl FnMut(usize, PatchId, [f32; 3]),
+        mut take: impl FnMut(usize, Front),
     ) -> Seen {
         let picture = canvas.draw(&self.view, &self.window(band));
         let mut seen = Seen::default();
@@ -223,7 +286,13 @@ impl<'a> Bands<'a> {
                 } => {
                     seen.fronts += 1;
                     let (patch, local) = self.scene.mesh().locate(surface, barycentric);
-                    take(row * self.width + i / self.samples, patch, local);
+                    let front = Front {
+                        surface,
+                        barycentric,
+                        patch,
+                        local,
+                    };
+                    take(row * self.width + i / self.samples, front);
                 }
             });
         }

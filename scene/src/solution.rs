@@ -7,7 +7,7 @@
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::function::IrradianceFunction;
-use crate::{RecordedSettings, Rgb, Scene, SceneError};
+use crate::{PatchId, RecordedSettings, Rgb, Scene, SceneError};
 
 /// How a solution was made.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -181,13 +181,37 @@ impl Solution {
         }
     }
 
-    /// Radiosities B = E + rho H, W/m^2, one per patch.
-    pub fn radiosity(&self, scene: &Scene) -> Vec<Rgb> {
-        let mut radiosity = scene.patch_emissions();
-        let reflectance = scene.patch_reflectances();
-        for ((b, rho), h) in radiosity.iter_mut().zip(reflectance).zip(&self.irradiance) {
-            *b += rho * *h;
-        }
-        radiosity
+    /// Mean irradiances of patches as they are best known, W/m^2, one per patch: those of the function on surfaces that have
+    /// one, else the solver's.
+    pub fn mean_irradiance(&self, scene: &Scene) -> Vec<Rgb> {
+        let Some(function) = &self.function else {
+            return self.irradiance.clone();
+        };
+        let values = function.irradiance();
+        let patches = (0..).map(PatchId).zip(&self.irradiance);
+        let mean = |patch, solved| function.mean_over(scene, values, patch).unwrap_or(solved);
+        patches
+            .map(|(patch, &solved)| mean(patch, solved))
+            .collect()
     }
+
+    /// Radiosities B = E + rho H, W/m^2, one per patch, of the solver's irradiances.
+    pub fn radiosity(&self, scene: &Scene) -> Vec<Rgb> {
+        radiosity(scene, &self.irradiance)
+    }
+
+    /// The same of the [mean irradiances](Self::mean_irradiance).
+    pub fn mean_radiosity(&self, scene: &Scene) -> Vec<Rgb> {
+        radiosity(scene, &self.mean_irradiance(scene))
+    }
+}
+
+/// Radiosities of patches with these irradiances, both W/m^2, one per patch.
+fn radiosity(scene: &Scene, irradiance: &[Rgb]) -> Vec<Rgb> {
+    let mut radiosity = scene.patch_emissions();
+    let reflectance = scene.patch_reflectances();
+    for ((b, rho), h) in radiosity.iter_mut().zip(reflectance).zip(irradiance) {
+        *b += rho * *h;
+    }
+    radiosity
 }

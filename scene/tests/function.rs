@@ -277,3 +277,38 @@ fn parts_that_are_no_mesh_are_errors() {
         ));
     }
 }
+
+/// Where a vertex came to be is where it is.
+#[test]
+fn vertices_know_their_places_on_surfaces() {
+    let scene = fan([1.0, 2.0]);
+    let mut growing = whole(&scene);
+    for round in 0..6 {
+        let leaves: Vec<NodeId> = growing.leaves().collect();
+        leaves
+            .iter()
+            .skip(round)
+            .step_by(2)
+            .for_each(|&leaf| growing.bisect(leaf));
+    }
+    let at = |surface: SurfaceId, w: DVec3| -> DVec3 {
+        let corners = scene.surface(surface).corners.map(Vec3::as_dvec3);
+        w.x * corners[0] + w.y * corners[1] + w.z * corners[2]
+    };
+    for vertex in (0..growing.vertex_count()).map(scene::function::VertexId) {
+        let (surface, [place, inside]) = growing.place_of(vertex);
+        let position = growing.position(vertex);
+        assert!((at(surface, place) - position).length() < 1e-12);
+        let on_side = place.min_element() <= 0.0;
+        assert!(inside.min_element() > 0.0 || on_side && inside == place);
+    }
+    for leaf in growing.leaves() {
+        let corners = growing
+            .in_surface(leaf)
+            .map(|w| at(growing.surface(leaf), w));
+        let positions = growing.corners(leaf).map(|vertex| growing.position(vertex));
+        for (a, b) in corners.iter().zip(positions) {
+            assert!((*a - b).length() < 1e-12);
+        }
+    }
+}

@@ -2,6 +2,7 @@
 
 mod form_factors;
 mod gather;
+mod target_error;
 mod verify;
 
 use std::path::PathBuf;
@@ -14,6 +15,7 @@ use scene::file::is_same_file;
 use visibility::hemicube::MAX_RESOLUTION;
 
 use self::form_factors::FormFactorArguments;
+use self::target_error::TargetError;
 use super::{Settings, Task};
 use crate::quantity::{parse_duration, parse_size};
 use crate::row_file::path_beside;
@@ -72,6 +74,11 @@ struct Arguments {
     /// percent allows), or A
     #[arg(long, default_value = "auto", value_name = "A")]
     source_area: SourceArea,
+    /// Gather the light between patches too, at the vertices of a mesh that grows where light varies, until its error is at
+    /// most this: 2% of the power, 4%visible of what is visible, or both, as in 2%,4%visible. RESOLUTION is then 32
+    /// and --points centroid unless they are given
+    #[arg(long, value_name = "ERROR")]
+    target_error: Option<TargetError>,
     /// Stop after N iterations, those that IN has had included
     #[arg(long, value_name = "N")]
     iterations: Option<u64>,
@@ -177,7 +184,9 @@ fn settings(arguments: Arguments) -> Settings {
         output: arguments.output,
         solve: SolveSettings {
             solution: SolutionSettings {
-                form_factors: arguments.form_factor_settings.settings(),
+                form_factors: arguments
+                    .form_factor_settings
+                    .settings(arguments.target_error.is_some()),
                 source_area: arguments.source_area,
                 solver: arguments.solver,
             },
@@ -191,6 +200,7 @@ fn settings(arguments: Arguments) -> Settings {
             time_limit: arguments.time_limit,
             checkpoint_every: arguments.checkpoint_every,
             all_rows: arguments.strict,
+            target: arguments.target_error.map(TargetError::target),
         },
         threads: arguments.threads.map(usize::from),
         rows_file_limit: arguments.rows_file_limit,

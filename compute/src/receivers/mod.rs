@@ -17,6 +17,7 @@ use visibility::Frame;
 
 pub use patches::Patches;
 pub use sensors::{Sensor, Sensors};
+pub(crate) use turn::{mixed, turn};
 
 /// Index of a receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

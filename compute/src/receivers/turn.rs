@@ -24,7 +24,7 @@ const FIRST_STEP: f64 = 0.381_966_011_250_105_2;
 
 /// Turn of the hemicube on a surface at these barycentric coordinates, radians: within the quarter turn after which a
 /// hemicube repeats.
-pub(super) fn turn(surface: &Surface, barycentric: DVec3, seed: Seed) -> f64 {
+pub(crate) fn turn(surface: &Surface, barycentric: DVec3, seed: Seed) -> f64 {
     let Seed::Number(seed) = seed else {
         return 0.0;
     };
@@ -56,7 +56,7 @@ fn hashed(seed: u32, words: impl Iterator<Item = u64>) -> f64 {
 
 /// A step of SplitMix64: each bit of the output depends on all bits of the input (Steele, Lea and Flood, "Fast
 /// splittable pseudorandom number generators", OOPSLA 2014).
-fn mixed(state: u64) -> u64 {
+pub(crate) fn mixed(state: u64) -> u64 {
     let z = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

@@ -12,7 +12,8 @@ mod start;
 
 use std::time::Instant;
 
-use scene::{PatchId, Rgb, Scene, SceneError, Solution};
+use scene::function::IrradianceFunction;
+use scene::{PatchId, Rgb, Scene, SceneError, Solution, SurfaceId};
 use visibility::hemicube::MAX_RESOLUTION;
 
 use crate::backend::Trial;
@@ -20,11 +21,12 @@ use crate::cancel::CancelToken;
 use crate::certificate::{self, Certificate};
 use crate::energy::{self, Closure, Energy};
 use crate::form_factors::{FormFactors, Needed};
+use crate::function::{self, FunctionReport, Order};
 use crate::problem::Problem;
 use crate::row_cache::{RowCache, RowStatistics};
 use crate::row_file::{RowFileRemark, RowFiles};
 use crate::rows::BackendError;
-use crate::settings::{Points, SolveSettings, SolverChoice};
+use crate::settings::{Points, SolveSettings, SolverChoice, Target};
 use crate::solver::convergence::Convergence;
 use crate::solver::{Gather, Shoot, Solver, Update, ambient_radiosity};
 use crate::sources::Sources;
@@ -124,6 +126,8 @@ pub struct Solved {
     pub closure: Option<Closure>,
     /// Mean share of a hemisphere that sees back faces, by area; `None` as above.
     pub back_face_share: Option<f64>,
+    /// What the irradiance function came to; `None` where none was asked for, or the run ended before.
+    pub function: Option<FunctionReport>,
     /// The patches that lie inside of solids, ascending; `None` unless all rows of lit patches were drawn, and before the
     /// solution is near its end.
     pub inside: Option<Vec<PatchId>>,
@@ -331,9 +335,13 @@ impl<'a> Run<'a, '_> {
             }
             Next::Patches(start) => {
                 let mut rows = self.rows(rows, &start)?;
+                let (function, before) = (start.function.clone(), start.irradiance.clone());
                 let mut solver = self.solver(self.scene, self.recorded(start));
                 let result = self.iterate(solver.as_mut(), &mut rows, Goal::Convergence);
-                self.finish(solver.snapshot(), result, &mut rows, None)
+                let mut solution = solver.snapshot();
+                // It is that of these irradiances.
+                solution.function = function.filter(|_| solution.irradiance == before);
+                self.finish(solution, result, &mut rows, None)
             }
             Next::Gather(of_sources) => self.gather(*of_sources),
         };
@@ -448,6 +456,21 @@ impl<'a> Run<'a, '_> {
         }
         let statistics = rows.statistics().with_drawing_of(&self.drawn_before);
         let kept = of_sources.map_or(statistics, |(_, rows)| rows);
+        let mut solution = solution;
+        let mut function = None;
+        if let Some(target) = self.settings.target
+            && is_over
+            && !self.cancel.is_cancelled()
+        {
+            match self.function(rows, &solution, target) {
+                Ok(Some((gathered, report))) => {
+                    solution.function = Some(gathered);
+                    function = Some(report);
+                }
+                Ok(None) => stopped_by = StoppedBy::Interrupt,
+                Err(error) => return Err(with(&solution, error.into())),
+            }
+        }
         let duration = statistics.duration;
         self.seconds.draw = duration.as_secs_f64();
         self.seconds.write += statistics.files.as_secs_f64();
@@ -487,8 +510,40 @@ impl<'a> Run<'a, '_> {
             energy,
             closure,
             back_face_share,
+            function,
             inside,
             solution,
         })
+    }
+
+    /// The irradiance function of a solution whose rows these are. `None` where it is cancelled.
+    fn function(
+        &self,
+        rows: &RowCache<'a>,
+        solution: &Solution,
+        target: Target,
+    ) -> Result<Option<(IrradianceFunction, FunctionReport)>, BackendError> {
+        let trees = self.scene.mesh().trees();
+        let is_lit = |surface: SurfaceId| {
+            let patches = trees[surface.index()].patches();
+            patches
+                .into_iter()
+                .any(|patch| !rows.unlit()[patch as usize])
+        };
+        let limit = self.settings.time_limit;
+        let is_late = || limit.is_some_and(|limit| self.start.elapsed() >= limit);
+        let sources = rows.sources().clone();
+        let residuals = &solution.provenance.residuals;
+        let convergence = Convergence::new(self.settings.solution.solver, residuals);
+        // After the first iteration nothing is known.
+        let iterations = convergence.map_or(1.0, |convergence| convergence.estimated_error);
+        let order = Order {
+            target,
+            iterations,
+            is_lit: &is_lit,
+            is_late: &is_late,
+            cancel: &self.cancel,
+        };
+        function::gather(&self.form_factors, sources, solution, &order)
     }
 }

@@ -32,11 +32,12 @@ pub fn save(path: &Path, scene: &Scene, solution: Option<&Solution>) -> Result<(
         path: path.to_owned(),
         fault: error.into(),
     })?;
-    let radiosity = solution.radiosity(scene);
+    let irradiance = solution.mean_irradiance(scene);
+    let radiosity = solution.mean_radiosity(scene);
     let is_inside = scene.is_inside();
     write_atomically(path, |out| {
         writeln!(out, "{HEADER}")?;
-        let values = solution.irradiance.iter().zip(&radiosity);
+        let values = irradiance.iter().zip(&radiosity);
         for ((index, patch), (irradiance, radiosity)) in patches(scene).enumerate().zip(values) {
             let surface = scene.surface(patch.surface);
             let material = scene.material(surface.material);

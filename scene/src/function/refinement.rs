@@ -18,7 +18,7 @@ use glam::{DVec3, Vec3};
 use super::mesh::NO_ROOT;
 use super::{Node, VertexMesh};
 use crate::weld::{Place, place};
-use crate::{Scene, SceneError, SurfaceId};
+use crate::{Scene, SceneError, SurfaceId, bisection};
 
 /// Index of a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -29,6 +29,9 @@ pub struct VertexId(pub u32);
 pub struct NodeId(pub u32);
 
 const NONE: u32 = u32::MAX;
+
+/// The deepest leaves that are bisected for their own sake; what conforms to them may be a few bisections deeper.
+const MAX_DEPTH: u32 = 24;
 
 /// A mesh that grows.
 #[derive(Clone, Debug)]
@@ -45,6 +48,9 @@ pub struct Refinement {
 #[derive(Clone, Copy, Debug)]
 struct Facts {
     surface: SurfaceId,
+    /// Bisections below its surface, and their code, see [`bisection`].
+    depth: u32,
+    code: u32,
     /// Area, m^2.
     area: f64,
     /// From vertex k to the next.
@@ -68,6 +74,8 @@ struct Vertex {
     node: u32,
     /// What it is the middle of.
     between: Option<[u32; 2]>,
+    /// Whether it came to be between two triangles.
+    is_inside: bool,
 }
 
 impl Refinement {
@@ -90,6 +98,8 @@ impl Refinement {
             mesh.roots[id.index()] = mesh.nodes.len() as u32;
             mesh.facts.push(Facts {
                 surface: id,
+                depth: 0,
+                code: 0,
                 area: surface.area(),
                 edges: [NONE; 3],
             });
@@ -154,6 +164,7 @@ impl Refinement {
                 position: scene.surface(surface).corners[first % 3].as_dvec3(),
                 node: first as u32 / 3,
                 between: None,
+                is_inside: false,
             });
             let mut open = vec![first];
             while let Some(corner) = open.pop() {
@@ -235,20 +246,48 @@ impl Refinement {
             .map(|ends| ends.map(VertexId))
     }
 
-    /// A triangle that has or had this vertex: a root for a surface's corner, else the one whose edge it is the middle of.
-    pub fn triangle_at(&self, vertex: VertexId) -> NodeId {
-        NodeId(self.vertices[vertex.0 as usize].node)
+    /// How often the surface was bisected that a triangle is part of.
+    pub fn depth(&self, node: NodeId) -> u32 {
+        self.facts[node.0 as usize].depth
     }
 
-    /// The middle of a triangle, metres, relative to the scene's origin.
-    pub fn centroid(&self, node: NodeId) -> DVec3 {
-        let corners = self.corners(node).map(|vertex| self.position(vertex));
-        corners.into_iter().sum::<DVec3>() / 3.0
+    /// The corners of a triangle as barycentric coordinates in its surface, in the order of [`Self::corners`]; exact.
+    pub fn in_surface(&self, node: NodeId) -> [DVec3; 3] {
+        let Facts { depth, code, .. } = self.facts[node.0 as usize];
+        let [a, b, c] = bisection::leaf_corners(depth, code);
+        // Those have the surface's orientation.
+        if depth.is_multiple_of(2) {
+            [a, b, c]
+        } else {
+            [b, a, c]
+        }
     }
 
-    /// Bisects a leaf, and whatever has to be for the mesh to conform.
+    /// The surface on which a vertex came to be, and its barycentric coordinates there; the same of a point inside of the
+    /// wall beside it: the middle of the triangle that had it then, or the vertex itself where the wall is all around it.
+    pub fn place_of(&self, vertex: VertexId) -> (SurfaceId, [DVec3; 2]) {
+        let Vertex {
+            node,
+            between,
+            is_inside,
+            ..
+        } = self.vertices[vertex.0 as usize];
+        let corners = self.in_surface(NodeId(node));
+        let centroid = (corners[0] + corners[1] + corners[2]) / 3.0;
+        let place = if between.is_some() {
+            0.5 * (corners[0] + corners[1])
+        } else {
+            let vertices = self.nodes[node as usize].vertices;
+            let corner = vertices.iter().position(|&v| v == vertex.0).unwrap_or(0);
+            corners[corner]
+        };
+        let inside = if is_inside { place } else { centroid };
+        (self.facts[node as usize].surface, [place, inside])
+    }
+
+    /// Bisects a leaf, and whatever has to be for the mesh to conform; nothing if it is as deep as a tree may be.
     pub fn bisect(&mut self, leaf: NodeId) {
-        if !self.is_leaf(leaf) {
+        if !self.is_leaf(leaf) || self.depth(leaf) >= MAX_DEPTH {
             return;
         }
         let mut open = vec![self.cut(leaf.0)];
@@ -269,6 +308,8 @@ impl Refinement {
     fn cut(&mut self, leaf: u32) -> u32 {
         let Facts {
             surface,
+            depth,
+            code,
             area,
             edges: [reference, second, third],
         } = self.facts[leaf as usize];
@@ -288,15 +329,16 @@ impl Refinement {
             leaves: [child, child + 1],
             cut: None,
         });
-        let half = 0.5 * area;
-        for (vertices, edges) in [
-            ([p0, p2, middle], [third, inner, at_p0]),
-            ([p2, p1, middle], [second, at_p1, inner]),
+        for (vertices, edges, is_second) in [
+            ([p0, p2, middle], [third, inner, at_p0], 0),
+            ([p2, p1, middle], [second, at_p1, inner], 1),
         ] {
             self.nodes.push(Node { vertices, child: 0 });
             self.facts.push(Facts {
                 surface,
-                area: half,
+                depth: depth + 1,
+                code: code << 1 | is_second,
+                area: 0.5 * area,
                 edges,
             });
         }
@@ -311,7 +353,7 @@ impl Refinement {
 
     /// The vertex in the middle of an edge of a leaf, and the edge's halves.
     fn middle_of(&mut self, edge: u32, leaf: u32) -> (u32, [u32; 2]) {
-        let Edge { ends, cut, .. } = self.edges[edge as usize];
+        let Edge { ends, cut, leaves } = self.edges[edge as usize];
         if let Some(cut) = cut {
             return cut;
         }
@@ -321,6 +363,7 @@ impl Refinement {
             position: 0.5 * (a + b),
             node: leaf,
             between: Some(ends),
+            is_inside: !leaves.contains(&NONE),
         });
         let first = self.edges.len() as u32;
         for ends in [[ends[0], vertex], [vertex, ends[1]]] {

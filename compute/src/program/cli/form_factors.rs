@@ -8,18 +8,18 @@ use crate::settings::{ClosedForms, FormFactorSettings, LampViews, Maps, Points, 
 /// RESOLUTION, and where hemicubes stand and what they count.
 #[derive(Debug, Args)]
 pub(super) struct FormFactorArguments {
-    /// Pixels along a hemicube's face: even, 2 to 4096
-    #[arg(value_name = "RESOLUTION", default_value = "128", value_parser = parse_resolution)]
-    resolution: u32,
+    /// Pixels along a hemicube's face: even, 2 to 4096 [default: 128]
+    #[arg(value_name = "RESOLUTION", value_parser = parse_resolution)]
+    resolution: Option<u32>,
     /// What the pixels count: exact integrals, or the thesis's multipliers for comparison
     #[arg(long, default_value = "exact", value_parser = choice(&[
         ("exact", Maps::Exact), ("thesis", Maps::Thesis)]))]
     maps: Maps,
     /// Where a patch's hemicubes stand: auto (one, or three and more where other surfaces are near),
     /// centroid, vertices, or N points of equal weight: 1, 2, 4 ... 1024 centroids of equal areas, or 3,
-    /// 6, 12 ... 3072 by a rule of higher order
-    #[arg(long, default_value = "auto")]
-    points: Points,
+    /// 6, 12 ... 3072 by a rule of higher order [default: auto]
+    #[arg(long)]
+    points: Option<Points>,
     /// Hemicubes are turned about their normals, each by its own angle: a number picks the angles, "aligned"
     /// turns none
     #[arg(long, default_value = "0", value_name = "SEED")]
@@ -36,12 +36,20 @@ pub(super) struct FormFactorArguments {
 }
 
 impl FormFactorArguments {
-    /// What is asked for.
-    pub fn settings(self) -> FormFactorSettings {
+    /// What is asked for. What is not is as in a run that leaves it at patches' means, or as in one that gathers a function.
+    pub fn settings(self, has_function: bool) -> FormFactorSettings {
+        let defaults = if has_function {
+            FormFactorSettings {
+                points: Points::CENTROID,
+                ..FormFactorSettings::new(32)
+            }
+        } else {
+            FormFactorSettings::default()
+        };
         FormFactorSettings {
-            resolution: self.resolution,
+            resolution: self.resolution.unwrap_or(defaults.resolution),
             maps: self.maps,
-            points: self.points,
+            points: self.points.unwrap_or(defaults.points),
             seed: self.seed,
             lamps: self.lamps,
             closed_forms: self.closed_forms,

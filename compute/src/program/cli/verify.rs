@@ -37,7 +37,7 @@ impl VerifyArguments {
     pub fn settings(self) -> Result<Settings, VerifyError> {
         select(self.case.as_deref())?;
         Ok(Settings {
-            form_factors: self.form_factors.settings(),
+            form_factors: self.form_factors.settings(false),
             backends: self.backend,
             case: self.case,
             format: match (self.json, self.markdown) {

@@ -1,0 +1,384 @@
+//! Where a mesh grows, and what it is worth.
+
+use std::f64::consts::SQRT_2;
+
+use glam::DVec3;
+use scene::function::{IrradianceFunction, NodeId, Refinement, VertexId};
+use scene::{Rgb, Scene};
+
+use super::second_look::Reflected;
+use super::vertices::Place;
+use super::{ErrorByCause, Errors, Light, reflectances};
+use crate::settings::Target;
+
+/// Leaves that make this share of the sum of what they are likely to miss are bisected.
+const MARKED: f64 = 0.4;
+
+/// The fewest points at which a function is checked at a time, and their number as a share of the leaves beyond that.
+const FEWEST_CHECKS: usize = 256;
+const CHECKED: f64 = 0.02;
+
+/// The function is checked whenever it has grown by this factor, and more often where little may be missing.
+const GROWN: f64 = 1.5;
+
+/// The share of the mean radiosity below which differences of radiosity count for less and less.
+const FLOOR: f64 = 0.05;
+
+/// The mean square of what is linear between three independent values, over theirs: the mean over a triangle of the sum of its
+/// squared barycentric coordinates.
+const VERTEX_NOISE: f64 = 0.5;
+
+/// The least share of what is asked of all causes together that the mesh gets, squared; where the others leave less, it cannot be
+/// reached.
+const LEAST_ROOM: f64 = 0.1;
+
+/// A point at which the function is compared with what is gathered there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Check {
+    pub place: Place,
+    leaf: NodeId,
+    /// Barycentric coordinates in the leaf.
+    within: [f64; 3],
+    /// The area that it stands for, m^2.
+    area: f64,
+}
+
+/// A mesh on its way.
+pub(super) struct Growth {
+    mesh: Refinement,
+    target: Target,
+    /// What is asked of the mesh, squared, power then visible.
+    asked: [f64; 2],
+    /// One per surface.
+    reflectance: Vec<DVec3>,
+    /// One per vertex that has gathered.
+    lights: Vec<Light>,
+    /// What the last checks have found, each as if all of its leaf missed as much, by target.
+    found: Vec<(NodeId, [f64; 2])>,
+    /// What is missing, over what corners say is likely to be, as the last checks say; by target.
+    calibration: Option<[f64; 2]>,
+    /// What pixels bring to a point, squared, power then visible, as the last second look says.
+    noise: [f64; 2],
+    /// How many vertices there were when it was checked last.
+    checked_at: u32,
+}
+
+impl Growth {
+    /// A mesh whose vertices have no light as yet.
+    pub fn new(scene: &Scene, mesh: Refinement, target: Target) -> Self {
+        let mut growth = Self {
+            mesh,
+            target,
+            asked: [f64::INFINITY; 2],
+            reflectance: reflectances(scene),
+            lights: Vec::new(),
+            found: Vec::new(),
+            calibration: None,
+            noise: [0.0; 2],
+            checked_at: 0,
+        };
+        growth.asked = growth.target_squared();
+        growth
+    }
+
+    pub fn mesh(&self) -> &Refinement {
+        &self.mesh
+    }
+
+    /// The area that has vertices, m^2.
+    pub fn area(&self) -> f64 {
+        self.mesh.leaves().map(|leaf| self.mesh.area(leaf)).sum()
+    }
+
+    /// The vertices that have no light yet.
+    pub fn new_vertices(&self) -> impl Iterator<Item = VertexId> + use<> {
+        (self.lights.len() as u32..self.mesh.vertex_count()).map(VertexId)
+    }
+
+    /// Gives them theirs.
+    pub fn take(&mut self, lights: Vec<Light>) {
+        self.lights.extend(lights);
+    }
+
+    /// Reflected radiosities at the corners of a leaf, W/m^2.
+    fn radiosities(&self, leaf: NodeId) -> [DVec3; 3] {
+        let rho = self.reflectance[self.mesh.surface(leaf).index()];
+        self.mesh
+            .corners(leaf)
+            .map(|vertex| rho * self.lights[vertex.0 as usize][0])
+    }
+
+    /// What reflected radiosities are compared with.
+    fn size(&self) -> Size {
+        let mut size = Size::default();
+        for leaf in self.mesh.leaves() {
+            let [a, b, c] = self.radiosities(leaf);
+            let area = self.mesh.area(leaf);
+            size.area += area;
+            // Of what is linear between the corners.
+            let square = (a * a + b * b + c * c + a * b + b * c + c * a).element_sum() / 6.0;
+            size.square += area * square;
+            size.mean += area * (a + b + c).element_sum() / 9.0;
+        }
+        size.square /= size.area.max(f64::MIN_POSITIVE);
+        size.mean /= size.area.max(f64::MIN_POSITIVE);
+        size
+    }
+
+    /// A difference of radiosities as each target weighs it: squared, over what the target relates it to.
+    fn weighed(difference: DVec3, radiosity: DVec3, size: &Size) -> [f64; 2] {
+        let power = difference.length_squared() / size.square.max(f64::MIN_POSITIVE);
+        let floor = FLOOR * size.mean;
+        let relative = difference / (radiosity.max(DVec3::ZERO) + floor.max(f64::MIN_POSITIVE));
+        [
+            power / size.area,
+            relative.length_squared() / 3.0 / size.area,
+        ]
+    }
+
+    /// What each leaf is likely to miss, by target: the largest difference of its corners, by area.
+    fn likely(&self, size: &Size) -> Vec<(NodeId, [f64; 2])> {
+        let of_leaf = |leaf: NodeId| {
+            let corners = self.radiosities(leaf);
+            let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+            let area = self.mesh.area(leaf);
+            let mut most = [0.0_f64; 2];
+            for k in 0..3 {
+                let difference = corners[k] - corners[(k + 1) % 3];
+                let weighed = Self::weighed(difference, middle, size);
+                most = [0, 1].map(|t| most[t].max(area * weighed[t]));
+            }
+            (leaf, most)
+        };
+        self.mesh.leaves().map(of_leaf).collect()
+    }
+
+    /// What is asked of all causes together, squared, power then visible; infinite where nothing is.
+    fn target_squared(&self) -> [f64; 2] {
+        [self.target.power, self.target.visible]
+            .map(|error| error.map_or(f64::INFINITY, |error| error * error))
+    }
+
+    /// Whether there may be no more vertices.
+    pub fn is_full(&self) -> bool {
+        self.mesh.vertex_count() >= self.target.most_vertices
+    }
+
+    /// Whether it is time to check.
+    pub fn wants_checks(&self) -> bool {
+        let vertices = self.mesh.vertex_count();
+        if self.is_full() || f64::from(vertices) >= GROWN * f64::from(self.checked_at) {
+            return true;
+        }
+        let Some(calibration) = self.calibration else {
+            return true;
+        };
+        let likely = self.likely(&self.size());
+        let asked = self.asked;
+        let is_likely = |t: usize| {
+            let sum: f64 = likely.iter().map(|(_, missing)| missing[t]).sum();
+            calibration[t] * sum <= asked[t]
+        };
+        is_likely(0) && is_likely(1)
+    }
+
+    /// Points by chance, in leaves by what they are likely to miss.
+    pub fn checks(&mut self) -> Vec<Check> {
+        let size = self.size();
+        let likely = self.likely(&size);
+        let sums = [0, 1].map(|t| likely.iter().map(|(_, missing)| missing[t]).sum::<f64>());
+        let share_of = |missing: [f64; 2], leaf: NodeId| {
+            // By both targets, and by area, so that nothing is left out for good.
+            let of_targets = (0..2).map(|t| missing[t] / sums[t].max(f64::MIN_POSITIVE));
+            (of_targets.sum::<f64>() + self.mesh.area(leaf) / size.area) / 3.0
+        };
+        let count = FEWEST_CHECKS.max((CHECKED * likely.len() as f64) as usize);
+        self.checked_at = self.mesh.vertex_count();
+        let mut checks = Vec::with_capacity(count);
+        let mut sum = 0.0;
+        let mut next = 0;
+        for (leaf, missing) in likely {
+            let share = share_of(missing, leaf);
+            sum += share;
+            while next < count
+                && (next as f64 + chance(next, self.checked_at, 0)) / (count as f64) < sum
+            {
+                let [u, v] = [1, 2].map(|k| chance(next, self.checked_at, k));
+                let root = u.sqrt();
+                let within = [1.0 - root, root * (1.0 - v), root * v];
+                let corners = self.mesh.in_surface(leaf);
+                checks.push(Check {
+                    place: Place {
+                        surface: self.mesh.surface(leaf),
+                        barycentric: (0..3).map(|k| within[k] * corners[k]).sum(),
+                    },
+                    leaf,
+                    within,
+                    area: self.mesh.area(leaf) / (share * count as f64),
+                });
+                next += 1;
+            }
+        }
+        checks
+    }
+
+    /// What the function misses at points at which this was gathered, but for what pixels bring.
+    pub fn compare(&mut self, checks: &[Check], lights: &[Light]) -> Errors {
+        let size = self.size();
+        let mut missing = [0.0; 2];
+        self.found.clear();
+        for (check, light) in checks.iter().zip(lights) {
+            let rho = self.reflectance[check.place.surface.index()];
+            let corners = self.radiosities(check.leaf);
+            let shown: DVec3 = (0..3).map(|k| check.within[k] * corners[k]).sum();
+            let gathered = rho * light[0];
+            let weighed = Self::weighed(shown - gathered, gathered, &size);
+            missing = [0, 1].map(|t| missing[t] + check.area * weighed[t]);
+            let area = self.mesh.area(check.leaf);
+            self.found.push((check.leaf, weighed.map(|w| area * w)));
+        }
+        let likely = self.likely(&size);
+        self.calibration = Some([0, 1].map(|t| {
+            let sum: f64 = likely.iter().map(|(_, missing)| missing[t]).sum();
+            missing[t] / sum.max(f64::MIN_POSITIVE)
+        }));
+        self.of_mesh(missing)
+    }
+
+    /// What is missing without what pixels bring, in a check and in the mean of three vertices.
+    fn of_mesh(&self, missing: [f64; 2]) -> Errors {
+        errors([0, 1].map(|t| (missing[t] - (1.0 + VERTEX_NOISE) * self.noise[t]).max(0.0)))
+    }
+
+    /// Whether these errors are as small as was asked for.
+    pub fn is_reached(&self, errors: Errors) -> bool {
+        is_below(errors, self.target_squared())
+    }
+
+    /// Whether these errors of the mesh are as small as they need be.
+    pub fn is_enough(&self, mesh: Errors) -> bool {
+        is_below(mesh, self.asked)
+    }
+
+    /// What sources and pixels bring, where places receive this reflected light in a second look.
+    pub fn causes(
+        &mut self,
+        checks: &[Check],
+        lights: &[Light],
+        second: &[Reflected],
+    ) -> [Errors; 2] {
+        let size = self.size();
+        let mut sums = [[0.0; 2]; 2];
+        for ((check, light), second) in checks.iter().zip(lights).zip(second) {
+            let rho = self.reflectance[check.place.surface.index()];
+            let gathered = rho * light[0];
+            let by_sources = second[1] - second[0];
+            // Both looks have their own pixels.
+            let by_pixels = (second[0] - (light[0] - light[1])) / SQRT_2;
+            for (sums, difference) in sums.iter_mut().zip([by_sources, by_pixels]) {
+                let weighed = Self::weighed(rho * difference, gathered, &size);
+                *sums = [0, 1].map(|t| sums[t] + check.area * weighed[t]);
+            }
+        }
+        let [sources, pixels] = sums;
+        self.noise = pixels;
+        [
+            errors(sources),
+            errors(pixels.map(|square| VERTEX_NOISE * square)),
+        ]
+    }
+
+    /// Asks of the mesh what the other causes leave of what is asked of all.
+    pub fn ask(&mut self, error: &ErrorByCause) {
+        let target = self.target_squared();
+        let others = |total: f64, mesh: f64| total.powi(2) - mesh.powi(2);
+        let others = [
+            others(error.total.power, error.mesh.power),
+            others(error.total.visible, error.mesh.visible),
+        ];
+        self.asked = [0, 1].map(|t| {
+            let room = target[t] - others[t];
+            // A mesh that is much better than the rest is no use.
+            if room > LEAST_ROOM * target[t] {
+                room
+            } else {
+                others[t]
+            }
+        });
+    }
+
+    /// Bisects where most is likely to be missing, or was found to be.
+    pub fn grow(&mut self) {
+        let size = self.size();
+        let asked = self.asked;
+        let calibration = self.calibration.unwrap_or([1.0; 2]);
+        let mut wanted: Vec<(f64, NodeId)> = Vec::new();
+        let need = |missing: [f64; 2], scale: [f64; 2]| {
+            // Whichever target is farther from what is asked.
+            (0..2)
+                .map(|t| scale[t] * missing[t] / asked[t])
+                .fold(0.0, f64::max)
+        };
+        for (leaf, missing) in self.likely(&size) {
+            wanted.push((need(missing, calibration), leaf));
+        }
+        for (leaf, missing) in std::mem::take(&mut self.found) {
+            wanted.push((need(missing, [1.0; 2]), leaf));
+        }
+        wanted.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let all: f64 = wanted.iter().map(|(need, _)| need).sum();
+        let mut sum = 0.0;
+        for (need, leaf) in wanted {
+            if sum > MARKED * all || self.is_full() {
+                break;
+            }
+            sum += need;
+            self.mesh.bisect(leaf);
+        }
+    }
+
+    /// The function as it is; `None` where there are no finite values.
+    pub fn function(&self) -> Option<IrradianceFunction> {
+        let mesh = self.mesh.mesh().ok()?;
+        let values = |part: usize| -> Vec<Rgb> {
+            self.lights
+                .iter()
+                .map(|light| light[part].as_vec3())
+                .collect()
+        };
+        IrradianceFunction::new(mesh, values(0), values(1)).ok()
+    }
+}
+
+/// Of sums of squares.
+fn errors([power, visible]: [f64; 2]) -> Errors {
+    Errors {
+        power: power.sqrt(),
+        visible: visible.sqrt(),
+    }
+}
+
+/// Whether errors are at most the roots of these.
+fn is_below(Errors { power, visible }: Errors, squares: [f64; 2]) -> bool {
+    power.powi(2) <= squares[0] && visible.powi(2) <= squares[1]
+}
+
+/// The size of the mesh and of the reflected radiosity on it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Size {
+    /// m^2.
+    area: f64,
+    /// Mean of the square, summed over channels, (W/m^2)^2.
+    square: f64,
+    /// Mean over area and channels, W/m^2.
+    mean: f64,
+}
+
+/// A number from 0 to 1 that is as good as chance, the same each time.
+fn chance(check: usize, round: u32, which: u64) -> f64 {
+    let mut state = (check as u64) << 34 ^ u64::from(round) << 2 ^ which;
+    for _ in 0..2 {
+        state = crate::receivers::mixed(state);
+    }
+    (state >> 11) as f64 / (1_u64 << 53) as f64
+}

@@ -1,0 +1,106 @@
+//! What hemicubes at some places see once more: turned otherwise, and by the function itself.
+//!
+//! The difference between two turns is what pixels bring. The difference between the reflected light by the function, at each
+//! pixel's own place, and by the sources, each one value, is what it brings that they are as large as they are: below
+//! a box its shadow is not one value, and what stands in it is too bright.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use rayon::prelude::*;
+use scene::Rgb;
+use scene::function::IrradianceFunction;
+use visibility::{Canvas, Drawable, Sample, Viewer};
+
+use super::vertices::{Place, Places};
+use crate::delta_form_factors::DeltaFormFactors;
+use crate::receivers::{ReceiverId, Receivers};
+use crate::rows::UNITS_PER_ONE;
+use crate::settings::{Maps, Seed};
+
+/// What is looked at.
+pub(super) struct SecondLook<'l, 'a> {
+    pub drawable: &'l Arc<Drawable<'a>>,
+    pub resolution: u32,
+    pub maps: Maps,
+    /// The angles of the first look.
+    pub seed: Seed,
+    /// Reflected radiosity of each source, W/m^2.
+    pub reflected: &'l [Rgb],
+    pub function: &'l IrradianceFunction,
+}
+
+/// Irradiance from reflected light at a place, W/m^2: from sources, and from the function.
+pub(super) type Reflected = [DVec3; 2];
+
+impl SecondLook<'_, '_> {
+    /// What these places see, on the threads of the rayon pool it is called in.
+    pub fn at(&self, places: &[Place]) -> Vec<Reflected> {
+        let scene = self.drawable.scene();
+        let turned = Places::new(scene, self.drawable, otherwise(self.seed));
+        turned.extend(places.iter().copied());
+        let delta_form_factors = DeltaFormFactors::new(self.maps, self.resolution, UNITS_PER_ONE);
+        let look = |(viewer, canvas): &mut (Viewer, Canvas), receiver| {
+            self.look(
+                viewer,
+                canvas,
+                &turned,
+                &delta_form_factors,
+                ReceiverId(receiver),
+            )
+        };
+        let receivers = (0..turned.count()).into_par_iter();
+        let eyes = || (Viewer::new(self.drawable), Canvas::default());
+        receivers.map_init(eyes, look).collect()
+    }
+
+    fn look(
+        &self,
+        viewer: &mut Viewer,
+        canvas: &mut Canvas,
+        places: &Places,
+        delta_form_factors: &DeltaFormFactors,
+        receiver: ReceiverId,
+    ) -> Reflected {
+        let scene = self.drawable.scene();
+        let mut sums = [DVec3::ZERO; 2];
+        for frame in places.frames(receiver) {
+            let view = viewer.hemicube(self.resolution, &frame, places.surface(receiver));
+            for (face, window) in view.windows().iter().enumerate() {
+                let picture = canvas.draw_face(&view, face);
+                let factors = delta_form_factors.face(face).chunks_exact(window.width);
+                for (j, factors) in factors.enumerate() {
+                    picture.for_each_sample(j, 0..window.width, |i, sample| {
+                        let Sample::Front {
+                            surface,
+                            barycentric,
+                            ..
+                        } = sample
+                        else {
+                            return;
+                        };
+                        let (source, _) = scene.mesh().locate(surface, barycentric);
+                        let by_source = self.reflected[source.index()];
+                        let values = self.function.irradiance();
+                        let by_function = self.function.interpolate(values, surface, barycentric);
+                        let material = scene.material(scene.surface(surface).material);
+                        let by_function =
+                            by_function.map_or(by_source, |h| material.reflectance * h);
+                        for (sum, radiosity) in sums.iter_mut().zip([by_source, by_function]) {
+                            *sum += f64::from(factors[i]) * radiosity.as_dvec3();
+                        }
+                    });
+                }
+            }
+        }
+        sums.map(|sum| sum / f64::from(UNITS_PER_ONE))
+    }
+}
+
+/// Other angles.
+fn otherwise(seed: Seed) -> Seed {
+    match seed {
+        Seed::Aligned => Seed::Number(0),
+        Seed::Number(seed) => Seed::Number(seed ^ 1 << 31),
+    }
+}

@@ -1,0 +1,266 @@
+//! The irradiance function: what is known of it in rooms whose light is known, and that it is the same however it is made.
+
+mod common;
+
+use common::{compute, folder, load, save, solve, stderr, stdout};
+use compute::Solve;
+use compute::settings::{BackendChoice, Points, SolveSettings, Target};
+use compute::solve::{Solved, StoppedBy};
+use glam::Vec3;
+use scene::function::IrradianceFunction;
+use scene::{Scene, Solution, Surface};
+use serde_json::Value;
+use test_scenes::{colourful_room, furnace, material, quad, scene as room_of};
+
+/// With hemicubes of 32 pixels at centroids.
+fn settings(power: f64) -> SolveSettings {
+    let mut settings = SolveSettings::default();
+    settings.drawing.backend = BackendChoice::Cpu;
+    settings.solution.form_factors.resolution = 32;
+    settings.solution.form_factors.points = Points::CENTROID;
+    settings.target = Some(Target {
+        power: Some(power),
+        visible: None,
+        most_vertices: 1 << 16,
+    });
+    settings
+}
+
+fn solved(scene: &Scene, settings: SolveSettings) -> Solved {
+    Solve::new(scene).settings(settings).run().unwrap()
+}
+
+fn function(solved: &Solved) -> &IrradianceFunction {
+    solved.solution().function.as_ref().unwrap()
+}
+
+/// In a furnace H = E / (1 - rho) everywhere: rows sum to 1, so vertices gather it but for the residual, and neither the mesh
+/// nor pixels nor the size of patches bring anything. Nothing is refined: 512 leaves or a few more have half as many vertices.
+#[test]
+fn a_furnace_is_one_value_and_needs_no_more_vertices() {
+    let scene = furnace(0.5, 1.0, 0.01);
+    let solved = solved(&scene, settings(0.001));
+    for value in function(&solved).irradiance() {
+        assert!((value.x - 2.0).abs() < 1e-4, "{value}");
+    }
+    for direct in function(&solved).direct() {
+        assert!((direct.x - 1.0).abs() < 1e-5, "{direct}");
+    }
+    let report = solved.function.unwrap();
+    let error = report.error.unwrap();
+    assert!(report.is_reached && error.total.power < 2e-4, "{report:?}");
+    assert!((report.covered - 1.0).abs() < 1e-6);
+    // Six walls' corners, whose vertices are their own, and no more than leaves.
+    assert!(
+        report.vertices < 700 && report.triangles < 1100,
+        "{report:?}"
+    );
+}
+
+/// Bits do not depend on threads, nor on whether rows are kept.
+#[test]
+fn threads_and_memory_change_nothing() {
+    let scene = colourful_room(0.1);
+    let on = |threads: usize, memory_bytes: u64| {
+        let mut settings = settings(0.05);
+        settings.drawing.memory_bytes = memory_bytes;
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.unwrap()
+            .install(|| function(&solved(&scene, settings)).clone())
+    };
+    let expected = on(1, 1 << 30);
+    assert_eq!(on(3, 1 << 30), expected);
+    assert_eq!(on(2, 0), expected);
+}
+
+/// What is asked for is reached by more vertices, and a limit of them is kept to within what the mesh needs to conform.
+#[test]
+fn smaller_errors_take_more_vertices() {
+    let scene = colourful_room(0.05);
+    let mut vertices = 0;
+    for power in [0.05, 0.02, 0.005] {
+        let report = solved(&scene, settings(power)).function.unwrap();
+        assert!(report.is_reached, "{report:?}");
+        assert!(report.error.unwrap().total.power <= power);
+        assert!(report.vertices > vertices, "{report:?}");
+        vertices = report.vertices;
+    }
+    let mut limited = settings(1e-6);
+    limited.target.as_mut().unwrap().most_vertices = vertices;
+    let report = solved(&scene, limited).function.unwrap();
+    assert!(!report.is_reached);
+    assert!(report.vertices < vertices + 100, "{report:?}");
+}
+
+/// A room cut in two by a wall of two sides that stands on its uncut floor, with a lamp on one side.
+fn two_rooms() -> Scene {
+    let size = Vec3::new(4.0, 2.0, 2.0);
+    let mut surfaces: Vec<Surface> = test_scenes::block(Vec3::ZERO, size, false, 0);
+    let wall = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]].map(|[y, z]| Vec3::new(2.0, y, z));
+    let mut back = wall;
+    back.reverse();
+    surfaces.extend(quad(wall, 0));
+    surfaces.extend(quad(back, 0));
+    let lamp = [[0.5, 0.5], [0.5, 1.5], [1.5, 1.5], [1.5, 0.5]].map(|[x, y]| Vec3::new(x, y, 1.9));
+    surfaces.extend(quad(lamp, 1));
+    let materials = vec![material(0.5, 0.0), material(0.0, 10.0)];
+    let faces: Vec<u32> = (0..surfaces.len() as u32).collect();
+    let (mut cut, mut faces) = (surfaces, faces);
+    let objects = ["all".to_owned()];
+    let model = genx::cut::Model {
+        surfaces: &mut cut,
+        faces: &mut faces,
+        materials: &materials,
+        objects: &objects,
+        opening: None,
+    };
+    genx::cut::put_in_order(model, genx::cut::Cut::On).unwrap();
+    room_of(materials, cut, 0.05)
+}
+
+/// The floor is one wall, but on either side of what stands on it vertices are apart: the dark side is dark up to the foot.
+#[test]
+fn light_does_not_pass_below_a_wall_by_interpolation() {
+    let scene = two_rooms();
+    let solved = solved(&scene, settings(0.02));
+    let function = function(&solved);
+    let vertices = function.mesh().vertices().iter().zip(function.irradiance());
+    let lit = vertices.clone().filter(|(p, _)| p.x < 1.9 && p.z == 0.0);
+    let mean = lit.clone().map(|(_, h)| h.x).sum::<f32>() / lit.count() as f32;
+    assert!(mean > 0.5, "{mean}");
+    // Each leaf lies on one side, and has vertices of its own there.
+    for surface in (0..scene.surfaces().len() as u32).map(scene::SurfaceId) {
+        for (corners, _) in function.mesh().leaves(surface) {
+            let corners = corners.map(|v| v as usize);
+            let is_dark = corners
+                .iter()
+                .all(|&v| function.mesh().vertices()[v].x >= 2.0)
+                && corners
+                    .iter()
+                    .any(|&v| function.mesh().vertices()[v].x > 2.0);
+            let most = corners
+                .map(|v| function.irradiance()[v].x)
+                .into_iter()
+                .fold(0.0, f32::max);
+            // A hemicube beside the wall may look through the crack of a rounding.
+            assert!(!is_dark || most < 2e-3 * mean, "{most}");
+        }
+    }
+}
+
+/// A function belongs to the irradiances that it was gathered from: it stays while these do, and goes with them.
+#[test]
+fn a_function_stays_with_its_solution() {
+    let folder = folder();
+    save(folder.path(), "in.rad", &colourful_room(0.1));
+    let output = solve(folder.path(), &["in.rad", "a.rad", "--target-error", "5%"]);
+    assert!(stdout(&output).contains("\nerror          "), "{output:?}");
+    let with = load(folder.path(), "a.rad");
+    assert!(with.function.is_some());
+    // Nothing to do: the same is written again.
+    let common = ["32", "--points", "centroid"];
+    solve(folder.path(), &[&["a.rad", "b.rad"], &common[..]].concat());
+    assert_eq!(load(folder.path(), "b.rad"), with);
+    // Another iteration, and another one from there: the same bits as if there had been no function.
+    let more = ["--tolerance", "1e-7"];
+    solve(
+        folder.path(),
+        &[&["a.rad", "b.rad"], &common[..], &more].concat(),
+    );
+    solve(
+        folder.path(),
+        &[&["in.rad", "c.rad"], &common[..], &more].concat(),
+    );
+    let (on, whole) = (load(folder.path(), "b.rad"), load(folder.path(), "c.rad"));
+    assert_eq!(on.function, None);
+    assert_eq!(
+        common::bits(&on.irradiance),
+        common::bits(&whole.irradiance)
+    );
+}
+
+#[test]
+fn what_cannot_be_reached_is_said_and_what_is_no_error_refused() {
+    let folder = folder();
+    save(folder.path(), "in.rad", &colourful_room(0.5));
+    let arguments = [
+        "in.rad",
+        "a.rad",
+        "8",
+        "--target-error",
+        "0.01%",
+        "--report",
+        "r.json",
+    ];
+    let output = solve(folder.path(), &arguments);
+    assert!(
+        stdout(&output).contains("more than was asked for"),
+        "{output:?}"
+    );
+    let report: Value =
+        serde_json::from_slice(&std::fs::read(folder.path().join("r.json")).unwrap()).unwrap();
+    let function = &report["function"];
+    assert_eq!(function["is_reached"], false);
+    for cause in ["total", "mesh", "sources", "pixels", "iterations"] {
+        assert!(function["error"][cause]["power"].is_f64(), "{function}");
+    }
+    for wrong in ["2", "0%", "2%,3%", "5%lux"] {
+        let output = compute(folder.path(), &["in.rad", "b.rad", "--target-error", wrong]);
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
+        assert!(
+            stderr(&output).contains("is no error such as 2%"),
+            "{output:?}"
+        );
+    }
+}
+
+/// The time is over before the mesh has grown: what there is is a function all the same.
+#[test]
+fn a_function_is_whole_when_time_is_over() {
+    let scene = colourful_room(0.1);
+    let start = solved(
+        &scene,
+        SolveSettings {
+            target: None,
+            ..settings(1.0)
+        },
+    )
+    .into_solution();
+    let mut hurried = settings(1e-6);
+    hurried.time_limit = Some(std::time::Duration::ZERO);
+    // Its iterations are done.
+    let done = start.provenance.iterations;
+    let hurried = Solve::new(&scene)
+        .settings(hurried)
+        .start(Some(start))
+        .iterations(done)
+        .run()
+        .unwrap();
+    assert_ne!(hurried.stopped_by, StoppedBy::TimeLimit);
+    let report = hurried.function.unwrap();
+    assert!(!report.is_reached && report.error.is_some());
+}
+
+/// A scene of facets alone, of which none is large enough, has no function to speak of, and says so.
+#[test]
+fn a_scene_without_walls_has_no_estimate() {
+    let mesh = test_scenes::bumpy_sphere(40);
+    let scene = test_scenes::stone(&mesh, f64::INFINITY);
+    let solution: Solution = {
+        let solved = solved(
+            &scene,
+            SolveSettings {
+                max_iterations: Some(1),
+                ..settings(0.02)
+            },
+        );
+        let report = solved.function.unwrap();
+        assert!(
+            report.error.is_none() && !report.is_reached && report.vertices == 0,
+            "{report:?}"
+        );
+        assert!(report.to_string().contains("not known"));
+        solved.into_solution()
+    };
+    assert_eq!(solution.mean_irradiance(&scene), solution.irradiance);
+}
