@@ -36,7 +36,8 @@ struct Args {
     /// them [default: each patch in one colour]
     #[arg(long)]
     smooth: bool,
-    /// Show each patch in one colour even where the file has the light between them (compute --target-error)
+    /// Show each patch in one colour even where the file has the light between them, by compute --target-error
+    /// [default: that light]
     #[arg(long, conflicts_with = "smooth")]
     flat: bool,
     /// Leave out the backs of surfaces, to look into closed rooms [default: they are black]

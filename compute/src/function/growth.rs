@@ -3,12 +3,12 @@
 use std::f64::consts::SQRT_2;
 
 use glam::DVec3;
+use scene::Scene;
 use scene::function::{IrradianceFunction, NodeId, Refinement, VertexId};
-use scene::{Rgb, Scene};
 
-use super::second_look::Reflected;
+use super::gatherer::{Light, Look};
 use super::vertices::Place;
-use super::{ErrorByCause, Errors, Light, reflectances};
+use super::{ErrorByCause, Errors, reflectances};
 use crate::settings::Target;
 
 /// Leaves that make this share of the sum of what they are likely to miss are bisected.
@@ -31,6 +31,14 @@ const VERTEX_NOISE: f64 = 0.5;
 /// The least share of what is asked of all causes together that the mesh gets, squared; where the others leave less, it cannot be
 /// reached.
 const LEAST_ROOM: f64 = 0.1;
+
+/// The share of what is asked of all causes together, squared, that the size of sources may take before they are refined.
+const SOURCES_SHARE: f64 = 0.2;
+
+/// A mesh is better if its squared error is below this share of the least so far, and after so many checks without that it will
+/// not become better.
+const BETTER: f64 = 0.9;
+const PATIENCE: u32 = 3;
 
 /// A point at which the function is compared with what is gathered there.
 #[derive(Clone, Copy, Debug)]
@@ -61,6 +69,8 @@ pub(super) struct Growth {
     noise: [f64; 2],
     /// How many vertices there were when it was checked last.
     checked_at: u32,
+    /// The mesh's least error so far, squared, power then visible, and how many checks since then have found no better one.
+    least: ([f64; 2], u32),
 }
 
 impl Growth {
@@ -76,6 +86,7 @@ impl Growth {
             calibration: None,
             noise: [0.0; 2],
             checked_at: 0,
+            least: ([f64::INFINITY; 2], 0),
         };
         growth.asked = growth.target_squared();
         growth
@@ -105,7 +116,7 @@ impl Growth {
         let rho = self.reflectance[self.mesh.surface(leaf).index()];
         self.mesh
             .corners(leaf)
-            .map(|vertex| rho * self.lights[vertex.0 as usize][0])
+            .map(|vertex| rho * self.lights[vertex.0 as usize].irradiance)
     }
 
     /// What reflected radiosities are compared with.
@@ -231,7 +242,7 @@ impl Growth {
             let rho = self.reflectance[check.place.surface.index()];
             let corners = self.radiosities(check.leaf);
             let shown: DVec3 = (0..3).map(|k| check.within[k] * corners[k]).sum();
-            let gathered = rho * light[0];
+            let gathered = rho * light.irradiance;
             let weighed = Self::weighed(shown - gathered, gathered, &size);
             missing = [0, 1].map(|t| missing[t] + check.area * weighed[t]);
             let area = self.mesh.area(check.leaf);
@@ -243,6 +254,20 @@ impl Growth {
             missing[t] / sum.max(f64::MIN_POSITIVE)
         }));
         self.of_mesh(missing)
+    }
+
+    /// Whether more vertices have not made the mesh better for a while: then what is missing is not the mesh's.
+    pub fn is_stuck(&mut self, mesh: Errors) -> bool {
+        let found = [mesh.power.powi(2), mesh.visible.powi(2)];
+        let (least, since) = &mut self.least;
+        let falls = |t: usize| self.asked[t].is_finite() && found[t] < BETTER * least[t];
+        if falls(0) || falls(1) {
+            *least = found;
+            *since = 0;
+        } else {
+            *since += 1;
+        }
+        *since >= PATIENCE
     }
 
     /// What is missing without what pixels bring, in a check and in the mean of three vertices.
@@ -260,22 +285,16 @@ impl Growth {
         is_below(mesh, self.asked)
     }
 
-    /// What sources and pixels bring, where places receive this reflected light in a second look.
-    pub fn causes(
-        &mut self,
-        checks: &[Check],
-        lights: &[Light],
-        second: &[Reflected],
-    ) -> [Errors; 2] {
+    /// What sources and pixels bring, by what places see when they look a second time.
+    pub fn causes(&mut self, checks: &[Check], lights: &[Light], looks: &[Look]) -> [Errors; 2] {
         let size = self.size();
         let mut sums = [[0.0; 2]; 2];
-        for ((check, light), second) in checks.iter().zip(lights).zip(second) {
+        for ((check, light), look) in checks.iter().zip(lights).zip(looks) {
             let rho = self.reflectance[check.place.surface.index()];
-            let gathered = rho * light[0];
-            let by_sources = second[1] - second[0];
+            let gathered = rho * light.irradiance;
             // Both looks have their own pixels.
-            let by_pixels = (second[0] - (light[0] - light[1])) / SQRT_2;
-            for (sums, difference) in sums.iter_mut().zip([by_sources, by_pixels]) {
+            let by_pixels = (look.by_sources - light.by_sources) / SQRT_2;
+            for (sums, difference) in sums.iter_mut().zip([look.by_function, by_pixels]) {
                 let weighed = Self::weighed(rho * difference, gathered, &size);
                 *sums = [0, 1].map(|t| sums[t] + check.area * weighed[t]);
             }
@@ -288,14 +307,23 @@ impl Growth {
         ]
     }
 
-    /// Asks of the mesh what the other causes leave of what is asked of all.
-    pub fn ask(&mut self, error: &ErrorByCause) {
+    /// Asks of the mesh what the other causes leave of what is asked of all; sources count where they are what they will be.
+    pub fn ask(&mut self, error: &ErrorByCause, are_sources_final: bool) {
         let target = self.target_squared();
-        let others = |total: f64, mesh: f64| total.powi(2) - mesh.powi(2);
-        let others = [
-            others(error.total.power, error.mesh.power),
-            others(error.total.visible, error.mesh.visible),
-        ];
+        let ErrorByCause {
+            sources,
+            pixels,
+            iterations,
+            ..
+        } = error;
+        let others = [*pixels, *iterations, *sources];
+        let others = others.iter().take(if are_sources_final { 3 } else { 2 });
+        let others = others.fold([0.0; 2], |sums, error| {
+            [
+                sums[0] + error.power.powi(2),
+                sums[1] + error.visible.powi(2),
+            ]
+        });
         self.asked = [0, 1].map(|t| {
             let room = target[t] - others[t];
             // A mesh that is much better than the rest is no use.
@@ -305,6 +333,23 @@ impl Growth {
                 others[t]
             }
         });
+    }
+
+    /// Whether the mesh is good enough, but the size of sources takes more than its share of what is asked of all causes.
+    pub fn wants_finer_sources(&self, error: &ErrorByCause) -> bool {
+        let target = self.target_squared();
+        let share = target.map(|target| SOURCES_SHARE * target);
+        self.is_enough(error.mesh) && !is_below(error.sources, share)
+    }
+
+    /// Adds to what vertices receive, one value per vertex, W/m^2; the function is checked again.
+    pub fn add(&mut self, more: &[DVec3]) {
+        self.least = ([f64::INFINITY; 2], 0);
+        for (light, more) in self.lights.iter_mut().zip(more) {
+            // Of small differences; what is received is not negative.
+            light.irradiance = (light.irradiance + more).max(light.direct);
+        }
+        self.calibration = None;
     }
 
     /// Bisects where most is likely to be missing, or was found to be.
@@ -340,13 +385,10 @@ impl Growth {
     /// The function as it is; `None` where there are no finite values.
     pub fn function(&self) -> Option<IrradianceFunction> {
         let mesh = self.mesh.mesh().ok()?;
-        let values = |part: usize| -> Vec<Rgb> {
-            self.lights
-                .iter()
-                .map(|light| light[part].as_vec3())
-                .collect()
-        };
-        IrradianceFunction::new(mesh, values(0), values(1)).ok()
+        let lights = self.lights.iter();
+        let irradiance = lights.clone().map(|light| light.irradiance.as_vec3());
+        let direct = lights.map(|light| light.direct.as_vec3());
+        IrradianceFunction::new(mesh, irradiance.collect(), direct.collect()).ok()
     }
 }
 
