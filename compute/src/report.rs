@@ -187,7 +187,9 @@ impl Report {
 
     /// Why the run counts as a failure though its result is written.
     pub fn strict_failure(&self) -> Option<String> {
-        let violations = &self.certificate.violations;
+        let mut violations = self.certificate.violations.clone();
+        let unreached = self.function.filter(|function| !function.is_reached);
+        violations.extend(unreached.map(|function| format!("its error is {function}")));
         (self.settings.strict && !violations.is_empty())
             .then(|| format!("{} is written, but {}", self.output, violations.join("; ")))
     }

@@ -8,7 +8,7 @@ use compute::settings::{BackendChoice, Points, SolveSettings, Target};
 use compute::solve::{Solved, StoppedBy};
 use glam::Vec3;
 use scene::function::IrradianceFunction;
-use scene::{Scene, Solution, Surface};
+use scene::{Scene, Surface};
 use serde_json::Value;
 use test_scenes::{colourful_room, furnace, material, quad, scene as room_of};
 
@@ -197,6 +197,9 @@ fn what_cannot_be_reached_is_said_and_what_is_no_error_refused() {
         stdout(&output).contains("more than was asked for"),
         "{output:?}"
     );
+    let strict = compute(folder.path(), &[&arguments[..], &["--strict"]].concat());
+    assert_eq!(strict.status.code(), Some(1));
+    assert!(stderr(&strict).contains("its error is "), "{strict:?}");
     let report: Value =
         serde_json::from_slice(&std::fs::read(folder.path().join("r.json")).unwrap()).unwrap();
     let function = &report["function"];
@@ -241,26 +244,65 @@ fn a_function_is_whole_when_time_is_over() {
     assert!(!report.is_reached && report.error.is_some());
 }
 
-/// A scene of facets alone, of which none is large enough, has no function to speak of, and says so.
+/// A scene of facets alone, of which none is large enough for vertices: its error is that of one value a patch.
 #[test]
-fn a_scene_without_walls_has_no_estimate() {
+fn facets_have_what_their_patches_have_and_a_stated_error() {
     let mesh = test_scenes::bumpy_sphere(40);
     let scene = test_scenes::stone(&mesh, f64::INFINITY);
-    let solution: Solution = {
-        let solved = solved(
-            &scene,
-            SolveSettings {
-                max_iterations: Some(1),
-                ..settings(0.02)
-            },
-        );
-        let report = solved.function.unwrap();
-        assert!(
-            report.error.is_none() && !report.is_reached && report.vertices == 0,
-            "{report:?}"
-        );
-        assert!(report.to_string().contains("not known"));
-        solved.into_solution()
-    };
+    let solved = solved(
+        &scene,
+        SolveSettings {
+            max_iterations: Some(3),
+            ..settings(0.02)
+        },
+    );
+    let report = solved.function.unwrap();
+    assert_eq!(report.vertices, 0);
+    let error = report.error.unwrap();
+    assert!(
+        error.mesh.power > 1e-4 && error.mesh.power < 0.2,
+        "{error:?}"
+    );
+    let solution = solved.into_solution();
     assert_eq!(solution.mean_irradiance(&scene), solution.irradiance);
+}
+
+/// A quality is what its options are, and options that are given count.
+#[test]
+fn qualities_are_names_for_options() {
+    let folder = folder();
+    save(folder.path(), "in.rad", &colourful_room(0.5));
+    let thesis = "16 --maps thesis --points centroid --seed aligned --lamps off --closed-forms off --iterations 7 --tolerance 0";
+    for (quality, options) in [
+        ("16 --quality thesis", thesis),
+        (
+            "16 --quality thesis --iterations 3",
+            &thesis.replace('7', "3")[..],
+        ),
+        (
+            "--quality draft",
+            "32 --points centroid --target-error 5%,10%visible",
+        ),
+        (
+            "16 --quality draft --points 3",
+            "16 --points 3 --target-error 10%visible,5%",
+        ),
+        ("24 --quality mesh", "24"),
+    ] {
+        let made = |arguments: &str, out: &str| {
+            let arguments: Vec<&str> = arguments.split(' ').collect();
+            solve(folder.path(), &[&["in.rad", out], &arguments[..]].concat());
+            load(folder.path(), out)
+        };
+        assert_eq!(made(quality, "a.rad"), made(options, "b.rad"), "{quality}");
+    }
+    let both = [
+        "in.rad",
+        "c.rad",
+        "--quality",
+        "high",
+        "--target-error",
+        "1%",
+    ];
+    assert_eq!(compute(folder.path(), &both).status.code(), Some(2));
 }

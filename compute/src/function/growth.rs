@@ -3,8 +3,8 @@
 use std::f64::consts::SQRT_2;
 
 use glam::DVec3;
-use scene::Scene;
 use scene::function::{IrradianceFunction, NodeId, Refinement, VertexId};
+use scene::{PatchId, Scene};
 
 use super::gatherer::{Light, Look};
 use super::vertices::Place;
@@ -44,16 +44,36 @@ const PATIENCE: u32 = 3;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Check {
     pub place: Place,
-    leaf: NodeId,
-    /// Barycentric coordinates in the leaf.
-    within: [f64; 3],
+    of: Part,
     /// The area that it stands for, m^2.
     area: f64,
 }
 
+/// A part of the scene whose values are of one kind.
+#[derive(Clone, Copy, Debug)]
+enum Part {
+    /// Linear between vertices, with barycentric coordinates in the leaf.
+    Leaf(NodeId, [f64; 3]),
+    /// One value, with this reflected radiosity, W/m^2.
+    Patch(DVec3),
+}
+
+/// A patch that has no vertices.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FlatPatch {
+    pub patch: PatchId,
+    /// m^2.
+    pub area: f64,
+    /// Reflected radiosity, W/m^2.
+    pub radiosity: DVec3,
+}
+
 /// A mesh on its way.
-pub(super) struct Growth {
+pub(super) struct Growth<'s> {
     mesh: Refinement,
+    scene: &'s Scene,
+    /// What has no vertices.
+    flat: Vec<FlatPatch>,
     target: Target,
     /// What is asked of the mesh, squared, power then visible.
     asked: [f64; 2],
@@ -73,10 +93,12 @@ pub(super) struct Growth {
     least: ([f64; 2], u32),
 }
 
-impl Growth {
-    /// A mesh whose vertices have no light as yet.
-    pub fn new(scene: &Scene, mesh: Refinement, target: Target) -> Self {
+impl<'s> Growth<'s> {
+    /// A mesh whose vertices have no light as yet, and what has no vertices.
+    pub fn new(scene: &'s Scene, mesh: Refinement, flat: Vec<FlatPatch>, target: Target) -> Self {
         let mut growth = Self {
+            scene,
+            flat,
             mesh,
             target,
             asked: [f64::INFINITY; 2],
@@ -130,6 +152,14 @@ impl Growth {
             let square = (a * a + b * b + c * c + a * b + b * c + c * a).element_sum() / 6.0;
             size.square += area * square;
             size.mean += area * (a + b + c).element_sum() / 9.0;
+        }
+        for &FlatPatch {
+            area, radiosity, ..
+        } in &self.flat
+        {
+            size.area += area;
+            size.square += area * radiosity.length_squared();
+            size.mean += area * radiosity.element_sum() / 3.0;
         }
         size.square /= size.area.max(f64::MIN_POSITIVE);
         size.mean /= size.area.max(f64::MIN_POSITIVE);
@@ -204,31 +234,41 @@ impl Growth {
             (of_targets.sum::<f64>() + self.mesh.area(leaf) / size.area) / 3.0
         };
         let count = FEWEST_CHECKS.max((CHECKED * likely.len() as f64) as usize);
-        self.checked_at = self.mesh.vertex_count();
+        let mut draw = Draw {
+            count,
+            round: self.mesh.vertex_count(),
+            next: 0,
+            sum: 0.0,
+        };
+        self.checked_at = draw.round;
         let mut checks = Vec::with_capacity(count);
-        let mut sum = 0.0;
-        let mut next = 0;
         for (leaf, missing) in likely {
             let share = share_of(missing, leaf);
-            sum += share;
-            while next < count
-                && (next as f64 + chance(next, self.checked_at, 0)) / (count as f64) < sum
-            {
-                let [u, v] = [1, 2].map(|k| chance(next, self.checked_at, k));
-                let root = u.sqrt();
-                let within = [1.0 - root, root * (1.0 - v), root * v];
-                let corners = self.mesh.in_surface(leaf);
+            let corners = self.mesh.in_surface(leaf);
+            draw.take(share, |within| {
                 checks.push(Check {
                     place: Place {
                         surface: self.mesh.surface(leaf),
                         barycentric: (0..3).map(|k| within[k] * corners[k]).sum(),
                     },
-                    leaf,
-                    within,
+                    of: Part::Leaf(leaf, within),
                     area: self.mesh.area(leaf) / (share * count as f64),
                 });
-                next += 1;
-            }
+            });
+        }
+        for flat in &self.flat {
+            let share = flat.area / size.area / 3.0;
+            let corners = self.scene.patch_in_surface(flat.patch);
+            draw.take(share, |within| {
+                checks.push(Check {
+                    place: Place {
+                        surface: self.scene.mesh().surface_of(flat.patch),
+                        barycentric: (0..3).map(|k| within[k] * corners[k]).sum(),
+                    },
+                    of: Part::Patch(flat.radiosity),
+                    area: flat.area / (share * count as f64),
+                });
+            });
         }
         checks
     }
@@ -236,23 +276,31 @@ impl Growth {
     /// What the function misses at points at which this was gathered, but for what pixels bring.
     pub fn compare(&mut self, checks: &[Check], lights: &[Light]) -> Errors {
         let size = self.size();
-        let mut missing = [0.0; 2];
+        let (mut in_leaves, mut in_patches) = ([0.0; 2], [0.0; 2]);
         self.found.clear();
         for (check, light) in checks.iter().zip(lights) {
-            let rho = self.reflectance[check.place.surface.index()];
-            let corners = self.radiosities(check.leaf);
-            let shown: DVec3 = (0..3).map(|k| check.within[k] * corners[k]).sum();
-            let gathered = rho * light.irradiance;
-            let weighed = Self::weighed(shown - gathered, gathered, &size);
-            missing = [0, 1].map(|t| missing[t] + check.area * weighed[t]);
-            let area = self.mesh.area(check.leaf);
-            self.found.push((check.leaf, weighed.map(|w| area * w)));
+            let gathered = self.reflectance[check.place.surface.index()] * light.irradiance;
+            let weighed = |shown: DVec3| Self::weighed(shown - gathered, gathered, &size);
+            match check.of {
+                Part::Leaf(leaf, within) => {
+                    let corners = self.radiosities(leaf);
+                    let weighed = weighed((0..3).map(|k| within[k] * corners[k]).sum());
+                    in_leaves = [0, 1].map(|t| in_leaves[t] + check.area * weighed[t]);
+                    let area = self.mesh.area(leaf);
+                    self.found.push((leaf, weighed.map(|w| area * w)));
+                }
+                Part::Patch(radiosity) => {
+                    let weighed = weighed(radiosity);
+                    in_patches = [0, 1].map(|t| in_patches[t] + check.area * weighed[t]);
+                }
+            }
         }
         let likely = self.likely(&size);
         self.calibration = Some([0, 1].map(|t| {
             let sum: f64 = likely.iter().map(|(_, missing)| missing[t]).sum();
-            missing[t] / sum.max(f64::MIN_POSITIVE)
+            in_leaves[t] / sum.max(f64::MIN_POSITIVE)
         }));
+        let missing = [0, 1].map(|t| in_leaves[t] + in_patches[t]);
         self.of_mesh(missing)
     }
 
@@ -414,6 +462,32 @@ struct Size {
     square: f64,
     /// Mean over area and channels, W/m^2.
     mean: f64,
+}
+
+/// Points by chance, as many in each part as its share, drawn part by part.
+struct Draw {
+    count: usize,
+    /// Other rounds have other points.
+    round: u32,
+    next: usize,
+    /// Of the shares so far.
+    sum: f64,
+}
+
+impl Draw {
+    /// Hands out barycentric coordinates of the points in a part that has this share of all.
+    fn take(&mut self, share: f64, mut point: impl FnMut([f64; 3])) {
+        self.sum += share;
+        let count = self.count as f64;
+        while self.next < self.count
+            && self.next as f64 + chance(self.next, self.round, 0) < self.sum * count
+        {
+            let [u, v] = [1, 2].map(|k| chance(self.next, self.round, k));
+            let root = u.sqrt();
+            point([1.0 - root, root * (1.0 - v), root * v]);
+            self.next += 1;
+        }
+    }
 }
 
 /// A number from 0 to 1 that is as good as chance, the same each time.

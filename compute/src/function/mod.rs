@@ -36,7 +36,7 @@ mod vertices;
 
 use glam::DVec3;
 use scene::function::{IrradianceFunction, NodeId, Refinement, VertexId};
-use scene::{Scene, Solution, SurfaceId};
+use scene::{PatchId, Scene, Solution, SurfaceId};
 use visibility::Drawable;
 
 use crate::FormFactors;
@@ -45,7 +45,7 @@ use crate::rows::BackendError;
 use crate::settings::Target;
 use crate::sources::Sources;
 use gatherer::Gatherer;
-use growth::Growth;
+use growth::{FlatPatch, Growth};
 use vertices::Place;
 
 pub use report::{ErrorByCause, Errors, FunctionReport};
@@ -84,7 +84,8 @@ pub fn gather<'a>(
 ) -> Result<Option<(IrradianceFunction, FunctionReport)>, BackendError> {
     let scene = sources.patches();
     let mesh = first_mesh(scene, sources.drawable(), order.is_lit);
-    let mut growth = Growth::new(scene, mesh, order.target);
+    let flat = flat_patches(scene, &mesh, solution, order.is_lit);
+    let mut growth = Growth::new(scene, mesh, flat, order.target);
     let mut gatherer = Gatherer::new(form_factors, sources, solution, order.cancel)?;
     let covered = growth.area() / scene.area();
     let iterations = Errors::splat(order.iterations);
@@ -121,14 +122,14 @@ pub fn gather<'a>(
                 growth.add(&finer);
                 continue;
             }
-            let is_reached = covered > 0.0 && growth.is_reached(error.total);
+            let is_reached = growth.is_reached(error.total);
             if is_last || is_reached || growth.is_enough(mesh) || growth.is_stuck(mesh) {
                 let report = FunctionReport {
                     vertices: growth.mesh().vertex_count(),
                     triangles: growth.mesh().leaves().count() as u32,
                     covered,
                     checks: check_count,
-                    error: (covered > 0.0).then_some(error),
+                    error: (check_count > 0).then_some(error),
                     is_reached,
                 };
                 return Ok(Some((function, report)));
@@ -156,6 +157,30 @@ fn first_mesh(
             mesh.bisect(leaf);
         }
     }
+}
+
+/// What light can reach and reflects it, but has no vertices.
+fn flat_patches(
+    scene: &Scene,
+    mesh: &Refinement,
+    solution: &Solution,
+    is_lit: &dyn Fn(SurfaceId) -> bool,
+) -> Vec<FlatPatch> {
+    let trees = (0..).map(SurfaceId).zip(scene.mesh().trees());
+    let flat = trees.filter(|&(surface, _)| !mesh.has_vertices(surface) && is_lit(surface));
+    let patches = flat.flat_map(|(surface, tree)| {
+        let surface = scene.surface(surface);
+        let rho = scene.material(surface.material).reflectance.as_dvec3();
+        let area = surface.area() / f64::from(1_u32 << tree.depth);
+        tree.patches().map(PatchId).map(move |patch| FlatPatch {
+            patch,
+            area,
+            radiosity: rho * solution.irradiance[patch.index()].as_dvec3(),
+        })
+    });
+    patches
+        .filter(|patch| patch.radiosity != DVec3::ZERO)
+        .collect()
 }
 
 /// Where a vertex gathers.

@@ -28,11 +28,11 @@ pub struct FunctionReport {
     pub vertices: u32,
     /// How many triangles.
     pub triangles: u32,
-    /// Share of the scene's area that has vertices; the rest has what its patches have, and no estimate of its error.
+    /// Share of the scene's area that has vertices; the rest has what its patches have.
     pub covered: f64,
     /// Points at which it was checked.
     pub checks: u32,
-    /// Estimates of its error, by cause; null where nothing has vertices.
+    /// Estimates of its error, by cause; null where light reaches nothing.
     pub error: Option<ErrorByCause>,
     /// Whether that is as small as was asked for.
     pub is_reached: bool,
@@ -43,7 +43,7 @@ pub struct FunctionReport {
 pub struct ErrorByCause {
     /// All causes together.
     pub total: Errors,
-    /// That it is linear between vertices.
+    /// That it is linear between vertices, and one value a patch elsewhere.
     pub mesh: Errors,
     /// That sources are as large as they are.
     pub sources: Errors,
@@ -94,7 +94,7 @@ impl ErrorByCause {
 impl std::fmt::Display for FunctionReport {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Some(error) = &self.error else {
-            return f.write_str("not known: no wall that light reaches is large enough");
+            return f.write_str("none: light reaches nothing that reflects it");
         };
         let Errors { power, visible } = error.total;
         write!(

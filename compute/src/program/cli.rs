@@ -2,6 +2,7 @@
 
 mod form_factors;
 mod gather;
+mod quality;
 mod target_error;
 mod verify;
 
@@ -15,6 +16,7 @@ use scene::file::is_same_file;
 use visibility::hemicube::MAX_RESOLUTION;
 
 use self::form_factors::FormFactorArguments;
+use self::quality::Quality;
 use self::target_error::TargetError;
 use super::{Settings, Task};
 use crate::quantity::{parse_duration, parse_size};
@@ -79,12 +81,15 @@ struct Arguments {
     /// and --points centroid unless they are given
     #[arg(long, value_name = "ERROR")]
     target_error: Option<TargetError>,
+    /// How good the result is to be [default: mesh]
+    #[arg(long, value_enum, conflicts_with = "target_error")]
+    quality: Option<Quality>,
     /// Stop after N iterations, those that IN has had included
     #[arg(long, value_name = "N")]
     iterations: Option<u64>,
-    /// Stop when an iteration changes the radiosities by less than this share
-    #[arg(long, value_name = "T", default_value = "1e-5", value_parser = parse_tolerance)]
-    tolerance: f64,
+    /// Stop when an iteration changes the radiosities by less than this share [default: 1e-5]
+    #[arg(long, value_name = "T", value_parser = parse_tolerance)]
+    tolerance: Option<f64>,
     /// Stop after this long, for example 90s or 5min
     #[arg(long, value_name = "TIME", value_parser = parse_duration)]
     time_limit: Option<Duration>,
@@ -179,6 +184,14 @@ pub fn parse() -> Task {
 }
 
 fn settings(arguments: Arguments) -> Settings {
+    let quality = arguments.quality;
+    let target = match arguments.target_error {
+        Some(error) => Some(error.target()),
+        None => quality.and_then(Quality::target),
+    };
+    let iterations = quality.and_then(Quality::iterations);
+    // Iterations that a quality counts are done, all of them.
+    let tolerance = if iterations.is_some() { 0.0 } else { 1e-5 };
     Settings {
         input: arguments.input,
         output: arguments.output,
@@ -186,7 +199,7 @@ fn settings(arguments: Arguments) -> Settings {
             solution: SolutionSettings {
                 form_factors: arguments
                     .form_factor_settings
-                    .settings(arguments.target_error.is_some()),
+                    .settings(quality::form_factors(quality, target.is_some())),
                 source_area: arguments.source_area,
                 solver: arguments.solver,
             },
@@ -195,12 +208,12 @@ fn settings(arguments: Arguments) -> Settings {
                 is_gpu_tried: true,
                 memory_bytes: arguments.memory,
             },
-            max_iterations: arguments.iterations,
-            tolerance: arguments.tolerance,
+            max_iterations: arguments.iterations.or(iterations),
+            tolerance: arguments.tolerance.unwrap_or(tolerance),
             time_limit: arguments.time_limit,
             checkpoint_every: arguments.checkpoint_every,
             all_rows: arguments.strict,
-            target: arguments.target_error.map(TargetError::target),
+            target,
         },
         threads: arguments.threads.map(usize::from),
         rows_file_limit: arguments.rows_file_limit,

@@ -203,6 +203,11 @@ impl Refinement {
         }
     }
 
+    /// Whether a surface has vertices.
+    pub fn has_vertices(&self, surface: SurfaceId) -> bool {
+        self.roots[surface.index()] != NO_ROOT
+    }
+
     /// How many vertices there are; new ones have the highest numbers.
     pub fn vertex_count(&self) -> u32 {
         self.vertices.len() as u32

@@ -12,7 +12,7 @@ pub(super) struct TargetError {
 }
 
 /// The most vertices: as many as a scene may have patches take some gigabytes, and hours.
-const MOST_VERTICES: u32 = 1 << 22;
+pub(super) const MOST_VERTICES: u32 = 1 << 22;
 
 impl TargetError {
     /// What a run is asked for.

@@ -4,6 +4,7 @@ use clap::Args;
 
 use super::choice;
 use super::form_factors::FormFactorArguments;
+use crate::settings::FormFactorSettings;
 use crate::verify::{Backends, Format, Settings, VerifyError, select};
 
 /// Show how far this program is from answers that are known, case by case
@@ -37,7 +38,7 @@ impl VerifyArguments {
     pub fn settings(self) -> Result<Settings, VerifyError> {
         select(self.case.as_deref())?;
         Ok(Settings {
-            form_factors: self.form_factors.settings(false),
+            form_factors: self.form_factors.settings(FormFactorSettings::default()),
             backends: self.backend,
             case: self.case,
             format: match (self.json, self.markdown) {
