@@ -83,7 +83,7 @@ fn csv_holds_every_value_to_the_last_bit() {
             patch.area.to_bits()
         );
         let normal = scene.surface(patch.surface).normal().as_vec3();
-        let irradiance = solution.irradiance[index];
+        let irradiance = solution.mean_irradiance(&scene)[index];
         let radiosity = material.emission + material.reflectance * irradiance;
         let read: Vec<Rgb> = row[7..22]
             .chunks(3)
