@@ -4,7 +4,7 @@
 use compute::Solve;
 use compute::settings::{BackendChoice, Points, SolveSettings};
 use compute::solve::Solved;
-use genx::cut::{Cut, Model, put_in_order};
+use genx::cut::{Cut, Model, Uncut, put_in_order};
 use glam::DVec3;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -78,6 +78,7 @@ impl Room {
         let materials = vec![material(0.6, 0.0), material(0.3, 0.0), material(0.2, 10.0)];
         let objects = ["wall", "thing", "lamp"].map(String::from).to_vec();
         let mut faces = (0..self.0.len() as u32).collect();
+        let uncut = Uncut::new(&self.0);
         let model = Model {
             surfaces: &mut self.0,
             faces: &mut faces,
@@ -86,7 +87,8 @@ impl Room {
             opening: None,
         };
         put_in_order(model, Cut::On).unwrap();
-        Scene::with_max_area(materials, objects, self.0, max_area, DVec3::ZERO).unwrap()
+        let depths = uncut.bisections(&self.0, max_area).unwrap();
+        Scene::new(materials, objects, self.0, &depths, DVec3::ZERO).unwrap()
     }
 }
 

@@ -26,6 +26,7 @@
 mod arrangement;
 mod contacts;
 mod groups;
+mod slivers;
 mod snap;
 
 use std::collections::BTreeMap;
@@ -35,6 +36,8 @@ use glam::DVec3;
 use groups::MOST_PAIRS;
 use scene::{Material, MaterialId, Surface};
 use snap::MOST_CROSSINGS;
+
+pub use slivers::Uncut;
 
 /// How far off a plane what lies in it may be, in steps of an f32 at the farthest coordinate of the model.
 pub const PLANE_STEPS: f64 = 8.0;

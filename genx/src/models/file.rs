@@ -25,6 +25,7 @@ pub fn import(format: Format, path: &Path, settings: &Settings) -> Result<Made, 
     let mut parts = parts_of(&mut model);
     parts.change(&settings.changes)?;
     let opening = openings::mark(&mut parts, &settings.openings)?;
+    let uncut = cut::Uncut::new(parts.surfaces);
     let overlaps = cut::put_in_order(
         cut::Model {
             surfaces: &mut model.surfaces,
@@ -43,7 +44,10 @@ pub fn import(format: Format, path: &Path, settings: &Settings) -> Result<Made, 
     let report = std::mem::take(&mut model.report);
     let mut files = std::mem::take(&mut model.files);
     files.push(path.to_owned());
-    let scene = model.into_scene(max_area)?.with_openings(openings)?;
+    let depths = uncut.bisections(&model.surfaces, max_area);
+    let scene = model
+        .into_scene(max_area, depths)?
+        .with_openings(openings)?;
     extent::check(&scene)?;
     let mut warnings = report.warnings;
     warnings.extend(overlaps);

@@ -93,12 +93,12 @@ pub enum Orient {
 }
 
 impl ImportedModel {
-    /// The scene of this model, each of whose surfaces is bisected until its patches have at most `max_area`, m^2;
-    /// infinity keeps every triangle as one patch.
+    /// The scene of this model, each of whose surfaces is bisected so often, or where that is not given until its patches have at
+    /// most `max_area`, m^2; infinity keeps every triangle as one patch.
     ///
     /// # Errors
     /// More patches than a scene may have, and an area that is not above 0.
-    pub fn into_scene(self, max_area: f64) -> Result<Scene, SceneError> {
+    pub fn into_scene(self, max_area: f64, depths: Option<Vec<u32>>) -> Result<Scene, SceneError> {
         let Self {
             materials,
             objects,
@@ -108,9 +108,11 @@ impl ImportedModel {
             axes,
             ..
         } = self;
-        Scene::with_max_area(materials, objects, surfaces, max_area, origin)?
-            .with_faces(faces)?
-            .with_axes(axes)
+        let scene = match depths {
+            Some(depths) => Scene::new(materials, objects, surfaces, &depths, origin),
+            None => Scene::with_max_area(materials, objects, surfaces, max_area, origin),
+        };
+        scene?.with_faces(faces)?.with_axes(axes)
     }
 }
 
