@@ -54,9 +54,7 @@ fn locate(scene: &Scene, sensor: &Sensor) -> (SurfaceId, [f32; 3]) {
     (id, within)
 }
 
-/// The two errors of the function against the sensors, over those that do not emit, without the sensors' own; and how much the
-/// larger the sum of squares is by chance, at most: one of 800 points has its share, which 5 standard deviations of
-/// the mean of as many squares cover.
+/// The two errors of the function against the sensors, over those that do not emit, without the sensors' own.
 fn errors(name: &str, scene: &Scene, solution: &Solution) -> [f64; 2] {
     let function = solution.function.as_ref().unwrap();
     let mut seen = Vec::new();
@@ -107,8 +105,8 @@ fn solved(model: &Path, target: &str) -> (TempDir, Value) {
     (folder, serde_json::from_slice(&report).unwrap())
 }
 
-/// The estimate is not under the true error by more than a factor of 1.5, and not over it by more than 3. Sensors are 800
-/// points by chance, of whose squares a few are most: another tenth of the error is theirs.
+/// The estimate is not under the true error by more than a factor of 1.5, and not over it by more than 3, of what was asked for and
+/// of what was not. Sensors are 800 points by chance, of whose squares a few are most: another tenth of the error is theirs.
 #[test]
 fn stated_errors_are_true() {
     for name in ["cornell", "room"] {
@@ -120,15 +118,8 @@ fn stated_errors_are_true() {
             for (truth, kind) in truth.into_iter().zip(["power", "visible"]) {
                 let stated = stated[kind].as_f64().unwrap();
                 println!("{name} {target} {kind}: stated {stated:.4}, true {truth:.4}");
-                // What was not asked for is told all the same, by fewer points where it matters.
-                let is_asked = target.contains("visible") == (kind == "visible");
-                let factor = if is_asked { 1.65 } else { 2.5 };
                 assert!(
-                    truth < factor * stated,
-                    "{name} {target} {kind}: {stated}, {truth}"
-                );
-                assert!(
-                    !is_asked || stated < 3.3 * truth,
+                    truth < 1.65 * stated && stated < 3.3 * truth,
                     "{name} {target} {kind}: {stated}, {truth}"
                 );
             }

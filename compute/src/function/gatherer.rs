@@ -35,6 +35,13 @@ pub(super) struct Light {
     pub by_sources: DVec3,
 }
 
+impl Light {
+    /// Adds to what is received of reflected light, W/m^2. It may be less than nothing, but what is received is not.
+    pub fn add_reflected(&mut self, more: DVec3) {
+        self.irradiance = (self.irradiance + more).max(self.direct);
+    }
+}
+
 /// What a place sees when it looks a second time, W/m^2.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Look {
@@ -120,7 +127,7 @@ impl<'a, 'c> Gatherer<'a, 'c> {
                 return Ok(None);
             };
             for (light, [by_sources, by_function]) in lights.iter_mut().zip(looks) {
-                light.irradiance += by_function - by_sources;
+                light.add_reflected(by_function - by_sources);
             }
         }
         Ok(Some(lights))
@@ -196,4 +203,21 @@ fn sum(row: &[Entry], exitances: &[Rgb]) -> DVec3 {
         .iter()
         .map(|entry| f64::from(entry.units) * exitances[entry.source as usize].as_dvec3());
     terms.sum::<DVec3>() / f64::from(UNITS_PER_ONE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A correction is a small difference of sums of pixels, and may be more than all that a dark place receives.
+    #[test]
+    fn no_place_receives_less_than_its_direct_light() {
+        let mut light = Light {
+            irradiance: DVec3::splat(0.25),
+            direct: DVec3::splat(0.125),
+            by_sources: DVec3::splat(0.125),
+        };
+        light.add_reflected(DVec3::new(0.5, -0.0625, -0.5));
+        assert_eq!(light.irradiance, DVec3::new(0.75, 0.1875, 0.125));
+    }
 }

@@ -4,7 +4,7 @@ use std::f64::consts::SQRT_2;
 
 use glam::DVec3;
 use scene::function::{IrradianceFunction, NodeId, Refinement, VertexId};
-use scene::{PatchId, Scene};
+use scene::{PatchId, Scene, SceneError};
 
 use super::gatherer::{Light, Look};
 use super::vertices::Place;
@@ -374,8 +374,8 @@ impl<'s> Growth<'s> {
         });
         self.asked = [0, 1].map(|t| {
             let room = target[t] - others[t];
-            // A mesh that is much better than the rest is no use.
-            if room > LEAST_ROOM * target[t] {
+            // Where nothing is asked there is room; else a mesh that is much better than the rest is no use.
+            if target[t].is_infinite() || room > LEAST_ROOM * target[t] {
                 room
             } else {
                 others[t]
@@ -393,9 +393,8 @@ impl<'s> Growth<'s> {
     /// Adds to what vertices receive, one value per vertex, W/m^2; the function is checked again.
     pub fn add(&mut self, more: &[DVec3]) {
         self.least = ([f64::INFINITY; 2], 0);
-        for (light, more) in self.lights.iter_mut().zip(more) {
-            // Of small differences; what is received is not negative.
-            light.irradiance = (light.irradiance + more).max(light.direct);
+        for (light, &more) in self.lights.iter_mut().zip(more) {
+            light.add_reflected(more);
         }
         self.calibration = None;
     }
@@ -430,13 +429,13 @@ impl<'s> Growth<'s> {
         }
     }
 
-    /// The function as it is; `None` where there are no finite values.
-    pub fn function(&self) -> Option<IrradianceFunction> {
-        let mesh = self.mesh.mesh().ok()?;
+    /// The function as it is; an error where a value is beyond what f32 holds.
+    pub fn function(&self) -> Result<IrradianceFunction, SceneError> {
+        let mesh = self.mesh.mesh()?;
         let lights = self.lights.iter();
         let irradiance = lights.clone().map(|light| light.irradiance.as_vec3());
         let direct = lights.map(|light| light.direct.as_vec3());
-        IrradianceFunction::new(mesh, irradiance.collect(), direct.collect()).ok()
+        IrradianceFunction::new(mesh, irradiance.collect(), direct.collect())
     }
 }
 
@@ -497,4 +496,40 @@ fn chance(check: usize, round: u32, which: u64) -> f64 {
         state = crate::receivers::mixed(state);
     }
     (state >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A closed room without light as yet.
+    fn scene() -> Scene {
+        let furnace = genx::Settings::new(genx::Model::Furnace);
+        genx::make(&furnace).unwrap().scene
+    }
+
+    /// Pixels bring an error that was not asked for: it asks nothing of the mesh, and what was asked for leaves it the rest.
+    #[test]
+    fn what_nobody_asks_for_asks_nothing_of_the_mesh() {
+        let scene = scene();
+        let mesh = Refinement::new(&scene, |_| true, |_, _| true);
+        for (power, visible) in [(Some(0.05), None), (None, Some(0.05))] {
+            let target = Target {
+                power,
+                visible,
+                most_vertices: 100,
+            };
+            let mut growth = Growth::new(&scene, mesh.clone(), Vec::new(), target);
+            let none = Errors::default();
+            let error = ErrorByCause::new(none, none, Errors::splat(0.03), none);
+            growth.ask(&error, true);
+            for (asked, target) in growth.asked.into_iter().zip([power, visible]) {
+                if target.is_some() {
+                    assert!((asked - 0.04 * 0.04).abs() < 1e-12, "{asked}");
+                } else {
+                    assert!(asked == f64::INFINITY, "{asked}");
+                }
+            }
+        }
+    }
 }

@@ -36,7 +36,7 @@ mod vertices;
 
 use glam::DVec3;
 use scene::function::{IrradianceFunction, NodeId, Refinement, VertexId};
-use scene::{PatchId, Scene, Solution, SurfaceId};
+use scene::{PatchId, Scene, SceneError, Solution, SurfaceId};
 use visibility::Drawable;
 
 use crate::FormFactors;
@@ -71,17 +71,27 @@ pub struct Order<'o> {
     pub cancel: &'o CancelToken,
 }
 
+/// Why there is no function.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)] // the messages say it
+pub enum FunctionFault {
+    #[error(transparent)]
+    Backend(#[from] BackendError),
+    #[error("there is no irradiance function: {0}")]
+    Values(#[from] SceneError),
+}
+
 /// Gathers the function of a solution from `sources` over its patches, with as many vertices as the target asks for, or as there
 /// is time for. `None` where it is cancelled.
 ///
 /// # Errors
-/// A back end that does not open or cannot go on.
+/// A back end that does not open or cannot go on, and values that no f32 holds.
 pub fn gather<'a>(
     form_factors: &FormFactors<'a>,
     sources: Sources<'a>,
     solution: &Solution,
     order: &Order,
-) -> Result<Option<(IrradianceFunction, FunctionReport)>, BackendError> {
+) -> Result<Option<(IrradianceFunction, FunctionReport)>, FunctionFault> {
     let scene = sources.patches();
     let mesh = first_mesh(scene, sources.drawable(), order.is_lit);
     let flat = flat_patches(scene, &mesh, solution, order.is_lit);
@@ -102,10 +112,10 @@ pub fn gather<'a>(
             let checks = growth.checks();
             check_count += checks.len() as u32;
             let places: Vec<Place> = checks.iter().map(|check| check.place).collect();
-            let (Some(lights), Some(function)) = (gatherer.gather(&places)?, growth.function())
-            else {
+            let Some(lights) = gatherer.gather(&places)? else {
                 return Ok(None);
             };
+            let function = growth.function()?;
             let Some(looks) = gatherer.look_again(&function, &places) else {
                 return Ok(None);
             };

@@ -21,7 +21,7 @@ use crate::cancel::CancelToken;
 use crate::certificate::{self, Certificate};
 use crate::energy::{self, Closure, Energy};
 use crate::form_factors::{FormFactors, Needed};
-use crate::function::{self, FunctionReport, Order};
+use crate::function::{self, FunctionFault, FunctionReport, Order};
 use crate::problem::Problem;
 use crate::row_cache::{RowCache, RowStatistics};
 use crate::row_file::{RowFileRemark, RowFiles};
@@ -53,6 +53,8 @@ pub struct SolveError {
 pub enum SolveFault {
     #[error(transparent)]
     Backend(#[from] BackendError),
+    #[error(transparent)]
+    Function(#[from] FunctionFault),
     #[error("radiosities are beyond what f32 holds, 3e38 W/m^2; lower the emission")]
     Overflow,
     #[error("resolution {value} must be an even number from 2 to {MAX_RESOLUTION}")]
@@ -522,7 +524,7 @@ impl<'a> Run<'a, '_> {
         rows: &RowCache<'a>,
         solution: &Solution,
         target: Target,
-    ) -> Result<Option<(IrradianceFunction, FunctionReport)>, BackendError> {
+    ) -> Result<Option<(IrradianceFunction, FunctionReport)>, FunctionFault> {
         let trees = self.scene.mesh().trees();
         let is_lit = |surface: SurfaceId| {
             let patches = trees[surface.index()].patches();
