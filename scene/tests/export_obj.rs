@@ -164,7 +164,7 @@ fn models_in_other_units_come_back_as_they_were() {
     let import = |path: &Path| {
         load_with(path, &options)
             .unwrap()
-            .into_scene(f64::INFINITY, None)
+            .into_scene(f64::INFINITY)
             .unwrap()
     };
     let scene = import(&path);

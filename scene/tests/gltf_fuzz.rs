@@ -83,7 +83,7 @@ fn import(folder: &tempfile::TempDir, bytes: &[u8]) -> bool {
         }
     };
     assert!(model.materials.iter().all(|m| m.validate().is_ok()));
-    let scene: Scene = model.into_scene(f64::INFINITY, None).unwrap();
+    let scene: Scene = model.into_scene(f64::INFINITY).unwrap();
     assert!(!scene.surfaces().is_empty());
     true
 }

@@ -44,10 +44,11 @@ pub fn import(format: Format, path: &Path, settings: &Settings) -> Result<Made, 
     let report = std::mem::take(&mut model.report);
     let mut files = std::mem::take(&mut model.files);
     files.push(path.to_owned());
-    let depths = uncut.bisections(&model.surfaces, max_area);
-    let scene = model
-        .into_scene(max_area, depths)?
-        .with_openings(openings)?;
+    let scene = match uncut.bisections(&model.surfaces, max_area) {
+        Some(depths) => model.into_scene_of_depths(&depths)?,
+        None => model.into_scene(max_area)?,
+    }
+    .with_openings(openings)?;
     extent::check(&scene)?;
     let mut warnings = report.warnings;
     warnings.extend(overlaps);

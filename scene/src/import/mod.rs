@@ -93,26 +93,39 @@ pub enum Orient {
 }
 
 impl ImportedModel {
-    /// The scene of this model, each of whose surfaces is bisected so often, or where that is not given until its patches have at
-    /// most `max_area`, m^2; infinity keeps every triangle as one patch.
+    /// The scene of this model, whose surfaces are bisected until patches have at most `max_area`, m^2; infinity keeps
+    /// every triangle as one patch.
     ///
     /// # Errors
     /// More patches than a scene may have, and an area that is not above 0.
-    pub fn into_scene(self, max_area: f64, depths: Option<Vec<u32>>) -> Result<Scene, SceneError> {
-        let Self {
-            materials,
-            objects,
-            surfaces,
-            faces,
-            origin,
-            axes,
-            ..
-        } = self;
-        let scene = match depths {
-            Some(depths) => Scene::new(materials, objects, surfaces, &depths, origin),
-            None => Scene::with_max_area(materials, objects, surfaces, max_area, origin),
-        };
-        scene?.with_faces(faces)?.with_axes(axes)
+    pub fn into_scene(self, max_area: f64) -> Result<Scene, SceneError> {
+        self.meshed(|materials, objects, surfaces, origin| {
+            Scene::with_max_area(materials, objects, surfaces, max_area, origin)
+        })
+    }
+
+    /// The scene of this model, each of whose surfaces is bisected as often as `depths` says.
+    ///
+    /// # Errors
+    /// More patches than a scene may have, a surface that is bisected too often, and another number of depths.
+    pub fn into_scene_of_depths(self, depths: &[u32]) -> Result<Scene, SceneError> {
+        self.meshed(|materials, objects, surfaces, origin| {
+            Scene::new(materials, objects, surfaces, depths, origin)
+        })
+    }
+
+    fn meshed(
+        self,
+        mesh: impl FnOnce(
+            Vec<Material>,
+            Vec<String>,
+            Vec<Surface>,
+            DVec3,
+        ) -> Result<Scene, SceneError>,
+    ) -> Result<Scene, SceneError> {
+        mesh(self.materials, self.objects, self.surfaces, self.origin)?
+            .with_faces(self.faces)?
+            .with_axes(self.axes)
     }
 }
 
