@@ -103,9 +103,9 @@ impl Spread {
         self.integral += area * value.as_dvec3();
     }
 
-    /// The value, or the mean of several, to four digits.
+    /// The value, or the mean of several, to four digits; the first one where no triangle is left to have any.
     fn shown(self, area: f64) -> String {
-        if self.is_one {
+        if self.is_one || area <= 0.0 {
             let [x, y, z] = self.first.to_array();
             return channels([x, y, z].map(|value| value.to_string()));
         }
@@ -136,4 +136,20 @@ fn sums(scene: &Scene, count: usize, of: impl Fn(&Surface) -> usize) -> Vec<Sum>
         sum.area += surface.area();
     }
     sums
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A textured thing that was taken out has materials, but no area to weigh them by.
+    #[test]
+    fn what_has_no_area_has_a_number_all_the_same() {
+        let mut spread = Spread::new(Rgb::splat(0.5));
+        spread.add(Rgb::splat(0.5), 0.0);
+        spread.add(Rgb::splat(0.25), 0.0);
+        assert_eq!(spread.shown(0.0), "0.5");
+        spread.add(Rgb::splat(0.25), 2.0);
+        assert_eq!(spread.shown(2.0), "~0.25");
+    }
 }

@@ -26,7 +26,9 @@ pub fn mark(parts: &mut Parts, names: &[String]) -> Result<Option<MaterialId>, U
         reflectance: Rgb::ZERO,
         emission: Rgb::ZERO,
     });
-    for surfaces in found {
+    for mut surfaces in found {
+        // What another name has taken out already.
+        surfaces.retain(|&k| parts.surfaces[k].material != mark);
         for &k in &surfaces {
             parts.surfaces[k].material = mark;
         }

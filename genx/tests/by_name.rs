@@ -226,8 +226,11 @@ fn an_opening_is_taken_out_with_what_lies_below_it() {
         // The wall's own two.
         assert!(scene.faces().iter().all(|&face| face < 2));
     }
-    // Models of the program have holes too.
-    make(&folder, &["a.rad", "1", "--opening", "lamp"]);
+    // Models of the program have holes too, and a name that is given twice is taken out once.
+    make(
+        &folder,
+        &["a.rad", "1", "--opening", "lamp", "--opening", "lamp"],
+    );
     let scene = load(&folder, "a.rad");
     assert!(scene.emitted_power().x <= 0.0);
     let area: f64 = scene.openings().iter().map(scene::Opening::area).sum();
