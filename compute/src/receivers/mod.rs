@@ -25,19 +25,25 @@ pub struct ReceiverId(pub u32);
 
 /// Points with normals, in groups under rules of equal weights.
 ///
-/// Points are numbered through all receivers, one receiver's after the other's.
+/// Points are numbered through all receivers, one receiver's after the other's. A receiver has one, unless its kind says otherwise.
 pub trait Receivers: Debug + Send + Sync {
     /// How many receivers there are.
     fn count(&self) -> u32;
 
     /// How many points a receiver has.
-    fn point_count(&self, receiver: ReceiverId) -> u32;
+    fn point_count(&self, _receiver: ReceiverId) -> u32 {
+        1
+    }
 
     /// Number of a receiver's first point; for the receiver after the last one, the number of all.
-    fn first_point(&self, receiver: ReceiverId) -> u64;
+    fn first_point(&self, receiver: ReceiverId) -> u64 {
+        receiver.0.into()
+    }
 
     /// The numbers of points that receivers have, each once, ascending.
-    fn point_counts(&self) -> Vec<u32>;
+    fn point_counts(&self) -> Vec<u32> {
+        vec![1]
+    }
 
     /// Where the hemicubes of a receiver stand; its form factors are the mean over them.
     fn frames(&self, receiver: ReceiverId) -> Vec<Frame>;

@@ -103,18 +103,6 @@ impl Receivers for Sensors {
         self.sensors.len() as u32
     }
 
-    fn point_count(&self, _: ReceiverId) -> u32 {
-        1
-    }
-
-    fn first_point(&self, receiver: ReceiverId) -> u64 {
-        receiver.0.into()
-    }
-
-    fn point_counts(&self) -> Vec<u32> {
-        vec![1]
-    }
-
     fn frames(&self, receiver: ReceiverId) -> Vec<Frame> {
         let Sensor { position, normal } = self.sensors[receiver.0 as usize].sensor;
         let turn = turn_at(position, self.seed);
