@@ -6,8 +6,8 @@ use glam::DVec3;
 use scene::function::{IrradianceFunction, NodeId, Refinement, VertexId};
 use scene::{PatchId, Scene, SceneError};
 
+use super::checks::{self, Candidate, Check, Part};
 use super::gatherer::{Light, Look};
-use super::vertices::Place;
 use super::{ErrorByCause, Errors, reflectances};
 use crate::settings::Target;
 
@@ -17,6 +17,9 @@ const MARKED: f64 = 0.4;
 /// The fewest points at which a function is checked at a time, and their number as a share of the leaves beyond that.
 const FEWEST_CHECKS: usize = 256;
 const CHECKED: f64 = 0.02;
+
+/// What one value a patch is taken to miss of it, relative, when points are drawn: most where it is bright, beside lamps.
+const FLAT_MISSES: f64 = 0.1;
 
 /// The function is checked whenever it has grown by this factor, and more often where little may be missing.
 const GROWN: f64 = 1.5;
@@ -39,24 +42,6 @@ const SOURCES_SHARE: f64 = 0.2;
 /// not become better.
 const BETTER: f64 = 0.9;
 const PATIENCE: u32 = 3;
-
-/// A point at which the function is compared with what is gathered there.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Check {
-    pub place: Place,
-    of: Part,
-    /// The area that it stands for, m^2.
-    area: f64,
-}
-
-/// A part of the scene whose values are of one kind.
-#[derive(Clone, Copy, Debug)]
-enum Part {
-    /// Linear between vertices, with barycentric coordinates in the leaf.
-    Leaf(NodeId, [f64; 3]),
-    /// One value, with this reflected radiosity, W/m^2.
-    Patch(DVec3),
-}
 
 /// A patch that has no vertices.
 #[derive(Clone, Copy, Debug)]
@@ -227,50 +212,40 @@ impl<'s> Growth<'s> {
     pub fn checks(&mut self) -> Vec<Check> {
         let size = self.size();
         let likely = self.likely(&size);
-        let sums = [0, 1].map(|t| likely.iter().map(|(_, missing)| missing[t]).sum::<f64>());
-        let share_of = |missing: [f64; 2], leaf: NodeId| {
-            // By both targets, and by area, so that nothing is left out for good.
+        let of_patch = |flat: &FlatPatch| {
+            let missing = Self::weighed(FLAT_MISSES * flat.radiosity, flat.radiosity, &size);
+            missing.map(|missing| flat.area * missing)
+        };
+        let in_all = likely.iter().map(|(_, missing)| *missing);
+        let in_all = in_all.chain(self.flat.iter().map(of_patch));
+        let sums = in_all.fold([0.0; 2], |sums, missing| {
+            [0, 1].map(|t| sums[t] + missing[t])
+        });
+        // By both targets, and by area, so that nothing is left out for good.
+        let share = |missing: [f64; 2], area: f64| {
             let of_targets = (0..2).map(|t| missing[t] / sums[t].max(f64::MIN_POSITIVE));
-            (of_targets.sum::<f64>() + self.mesh.area(leaf) / size.area) / 3.0
+            (of_targets.sum::<f64>() + area / size.area) / 3.0
         };
         let count = FEWEST_CHECKS.max((CHECKED * likely.len() as f64) as usize);
-        let mut draw = Draw {
-            count,
-            round: self.mesh.vertex_count(),
-            next: 0,
-            sum: 0.0,
-        };
-        self.checked_at = draw.round;
-        let mut checks = Vec::with_capacity(count);
-        for (leaf, missing) in likely {
-            let share = share_of(missing, leaf);
-            let corners = self.mesh.in_surface(leaf);
-            draw.take(share, |within| {
-                checks.push(Check {
-                    place: Place {
-                        surface: self.mesh.surface(leaf),
-                        barycentric: (0..3).map(|k| within[k] * corners[k]).sum(),
-                    },
-                    of: Part::Leaf(leaf, within),
-                    area: self.mesh.area(leaf) / (share * count as f64),
-                });
-            });
-        }
-        for flat in &self.flat {
-            let share = flat.area / size.area / 3.0;
-            let corners = self.scene.patch_in_surface(flat.patch);
-            draw.take(share, |within| {
-                checks.push(Check {
-                    place: Place {
-                        surface: self.scene.mesh().surface_of(flat.patch),
-                        barycentric: (0..3).map(|k| within[k] * corners[k]).sum(),
-                    },
-                    of: Part::Patch(flat.radiosity),
-                    area: flat.area / (share * count as f64),
-                });
-            });
-        }
-        checks
+        self.checked_at = self.mesh.vertex_count();
+        let in_leaves = likely.iter().map(|&(leaf, missing)| {
+            let area = self.mesh.area(leaf);
+            Candidate {
+                part: Part::Leaf(leaf),
+                surface: self.mesh.surface(leaf),
+                corners: self.mesh.in_surface(leaf),
+                area,
+                share: share(missing, area),
+            }
+        });
+        let in_patches = self.flat.iter().map(|flat| Candidate {
+            part: Part::Patch(flat.radiosity),
+            surface: self.scene.mesh().surface_of(flat.patch),
+            corners: self.scene.patch_in_surface(flat.patch),
+            area: flat.area,
+            share: share(of_patch(flat), flat.area),
+        });
+        checks::draw(in_leaves.chain(in_patches), count, self.checked_at)
     }
 
     /// What the function misses at points at which this was gathered, but for what pixels bring.
@@ -281,10 +256,10 @@ impl<'s> Growth<'s> {
         for (check, light) in checks.iter().zip(lights) {
             let gathered = self.reflectance[check.place.surface.index()] * light.irradiance;
             let weighed = |shown: DVec3| Self::weighed(shown - gathered, gathered, &size);
-            match check.of {
-                Part::Leaf(leaf, within) => {
+            match check.part {
+                Part::Leaf(leaf) => {
                     let corners = self.radiosities(leaf);
-                    let weighed = weighed((0..3).map(|k| within[k] * corners[k]).sum());
+                    let weighed = weighed((0..3).map(|k| check.within[k] * corners[k]).sum());
                     in_leaves = [0, 1].map(|t| in_leaves[t] + check.area * weighed[t]);
                     let area = self.mesh.area(leaf);
                     self.found.push((leaf, weighed.map(|w| area * w)));
@@ -461,41 +436,6 @@ struct Size {
     square: f64,
     /// Mean over area and channels, W/m^2.
     mean: f64,
-}
-
-/// Points by chance, as many in each part as its share, drawn part by part.
-struct Draw {
-    count: usize,
-    /// Other rounds have other points.
-    round: u32,
-    next: usize,
-    /// Of the shares so far.
-    sum: f64,
-}
-
-impl Draw {
-    /// Hands out barycentric coordinates of the points in a part that has this share of all.
-    fn take(&mut self, share: f64, mut point: impl FnMut([f64; 3])) {
-        self.sum += share;
-        let count = self.count as f64;
-        while self.next < self.count
-            && self.next as f64 + chance(self.next, self.round, 0) < self.sum * count
-        {
-            let [u, v] = [1, 2].map(|k| chance(self.next, self.round, k));
-            let root = u.sqrt();
-            point([1.0 - root, root * (1.0 - v), root * v]);
-            self.next += 1;
-        }
-    }
-}
-
-/// A number from 0 to 1 that is as good as chance, the same each time.
-fn chance(check: usize, round: u32, which: u64) -> f64 {
-    let mut state = (check as u64) << 34 ^ u64::from(round) << 2 ^ which;
-    for _ in 0..2 {
-        state = crate::receivers::mixed(state);
-    }
-    (state >> 11) as f64 / (1_u64 << 53) as f64
 }
 
 #[cfg(test)]

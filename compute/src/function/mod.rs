@@ -27,6 +27,7 @@
 //! A side of a wall holds the plane of the next one, so a vertex there gathers a little inside of the triangle that it came
 //! with.
 
+mod checks;
 mod gatherer;
 mod growth;
 mod report;

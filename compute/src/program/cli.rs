@@ -191,7 +191,11 @@ fn settings(arguments: Arguments) -> Settings {
     };
     let iterations = quality.and_then(Quality::iterations);
     // Iterations that a quality counts are done, all of them.
-    let tolerance = if iterations.is_some() { 0.0 } else { 1e-5 };
+    let tolerance = if iterations.is_some() {
+        0.0
+    } else {
+        SolveSettings::default().tolerance
+    };
     Settings {
         input: arguments.input,
         output: arguments.output,

@@ -11,7 +11,7 @@ pub(super) struct TargetError {
     visible: Option<f64>,
 }
 
-/// The most vertices: as many as a scene may have patches take some gigabytes, and hours.
+/// The most vertices, for the sake of memory: with four nodes, six edges and its light each takes some 540 bytes.
 pub(super) const MOST_VERTICES: u32 = 1 << 22;
 
 impl TargetError {
