@@ -70,6 +70,9 @@ pub struct Report {
     pub certificate: Certificate,
     /// What the irradiance function came to; null where none was asked for.
     pub function: Option<FunctionReport>,
+    /// What the summary says of its error.
+    #[serde(skip)]
+    error_line: Option<String>,
     /// Why it ended.
     pub stopped_by: StoppedBy,
 }
@@ -181,6 +184,7 @@ impl Report {
             back_face_share: solved.back_face_share,
             certificate: solved.certificate().clone(),
             function: solved.function,
+            error_line: solved.function.map(|function| function.describe(scene)),
             stopped_by: solved.stopped_by,
         }
     }
@@ -188,8 +192,9 @@ impl Report {
     /// Why the run counts as a failure though its result is written.
     pub fn strict_failure(&self) -> Option<String> {
         let mut violations = self.certificate.violations.clone();
-        let unreached = self.function.filter(|function| !function.is_reached);
-        violations.extend(unreached.map(|function| format!("its error is {function}")));
+        let is_unreached = self.function.is_some_and(|function| !function.is_reached);
+        let error = self.error_line.iter().filter(|_| is_unreached);
+        violations.extend(error.map(|error| format!("its error is {error}")));
         (self.settings.strict && !violations.is_empty())
             .then(|| format!("{} is written, but {}", self.output, violations.join("; ")))
     }
@@ -297,9 +302,6 @@ impl Report {
                 100.0 * sources.gathered_share,
             ));
         }
-        if let Some(function) = &self.function {
-            lines.push(format!("error          {function}"));
-        }
         lines.push(format!("certificate    {}", self.certificate.summary()));
         let residual = self
             .residuals
@@ -314,7 +316,13 @@ impl Report {
         let error = self.convergence.map_or_else(String::new, |convergence| {
             format!(", estimated error {:.1e}", convergence.estimated_error)
         });
-        let end = if self.not_converged().is_some() {
+        let is_converged = self
+            .residuals
+            .last()
+            .is_some_and(|&r| r <= self.settings.tolerance);
+        let end = if self.stopped_by == StoppedBy::Interrupt && is_converged {
+            "converged to the tolerance, then interrupted"
+        } else if self.not_converged().is_some() {
             "converged to the tolerance, but not to the solution"
         } else {
             self.stopped_by.describe()
@@ -323,6 +331,9 @@ impl Report {
             "result         {} iterations{next}, residual {residual}{error}, {end}",
             self.iterations,
         ));
+        if let Some(error) = &self.error_line {
+            lines.push(format!("error          {error}"));
+        }
         lines.join("\n")
     }
 }

@@ -294,6 +294,32 @@ fn facets_have_what_their_patches_have_and_a_stated_error() {
     );
 }
 
+/// What is estimated patch by patch makes the total: what is between two vertices' values does not show in patches' means, so that
+/// these are a little less bright in squares.
+#[test]
+fn errors_of_patches_make_that_of_all() {
+    let scene = colourful_room(0.05);
+    let solved = solved(&scene, settings(0.03));
+    let stated = solved.function.unwrap().error.unwrap().total.power;
+    let solution = solved.solution();
+    let reflected = scene
+        .patch_reflectances()
+        .into_iter()
+        .zip(solution.mean_irradiance(&scene));
+    let (mut wrong, mut all) = (0.0, 0.0);
+    for (patch, (rho, h)) in (0..).map(scene::PatchId).zip(reflected) {
+        let area = scene.patch(patch).area;
+        let error = f64::from(solution.error().unwrap()[patch.index()]);
+        wrong += 3.0 * area * error.powi(2);
+        all += area * (rho * h).as_dvec3().length_squared();
+    }
+    let of_patches = f64::sqrt(wrong / all);
+    assert!(
+        of_patches > 0.999 * stated && of_patches < 1.1 * stated,
+        "{of_patches}, {stated}"
+    );
+}
+
 /// A quality is what its options are, and options that are given count.
 #[test]
 fn qualities_are_names_for_options() {

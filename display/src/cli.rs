@@ -26,10 +26,10 @@ struct Args {
     /// Write the picture: .png mapped for the eye, .exr linear in W/m^2 [default: no picture]
     #[arg(long, value_name = "IMAGE.png|.exr", value_parser = image_path)]
     out: Option<(PathBuf, ImageFormat)>,
-    /// How values become colours [default: log]
+    /// How values become colours [default: log, of errors false-color]
     #[arg(long)]
     mode: Option<ModeArg>,
-    /// Which values are shown, both in W/m^2
+    /// Which values are shown, all in W/m^2; error is what compute estimates that of the radiosity to be, patch by patch
     #[arg(long, default_value = "radiosity")]
     quantity: QuantityArg,
     /// Interpolate between patches, but not over creases or between materials, where the file has no light between
@@ -101,6 +101,7 @@ enum ModeArg {
 enum QuantityArg {
     Radiosity,
     Irradiance,
+    Error,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -141,7 +142,9 @@ impl Args {
             (Some(Style::C), Some(_)) => {
                 return Err("c means --mode ids; leave out c or the other mode".into());
             }
-            (_, mode) => mode.unwrap_or(ModeArg::Log),
+            (_, Some(mode)) => mode,
+            (_, None) if matches!(self.quantity, QuantityArg::Error) => ModeArg::FalseColor,
+            (_, None) => ModeArg::Log,
         };
         Ok(Settings {
             input: self.file,
@@ -157,6 +160,7 @@ impl Args {
                 quantity: match self.quantity {
                     QuantityArg::Radiosity => Quantity::Radiosity,
                     QuantityArg::Irradiance => Quantity::Irradiance,
+                    QuantityArg::Error => Quantity::Error,
                 },
                 smooth: self.smooth || self.style == Some(Style::S),
                 flat: self.flat,

@@ -75,7 +75,7 @@ pub fn render(
         }
     });
 
-    let values = patch_values(scene, solution, settings.quantity);
+    let values = patch_values(scene, solution, settings.quantity)?;
     let Some(tone) = tone(scene, &values, settings) else {
         let (ids, seen) = shade::ids(scene, &camera, view, cull);
         let mapped = ids_image(view, &ids);
@@ -89,7 +89,8 @@ pub fn render(
         });
     };
     let function = solution.and_then(|solution| solution.function.as_ref());
-    let shading = match function.filter(|_| !settings.flat) {
+    let is_flat = settings.flat || settings.quantity == Quantity::Error;
+    let shading = match function.filter(|_| !is_flat) {
         Some(function) => {
             let is_radiosity = settings.quantity == Quantity::Radiosity;
             Shading::Function(ShownFunction::new(scene, function, is_radiosity, &values))
@@ -146,7 +147,7 @@ pub fn patch_colors(
     settings: &RenderSettings,
 ) -> Result<Vec<[u8; 3]>, SettingsError> {
     settings.validate()?;
-    let values = patch_values(scene, solution, settings.quantity);
+    let values = patch_values(scene, solution, settings.quantity)?;
     Ok(match tone(scene, &values, settings) {
         Some(tone) => values
             .par_iter()
@@ -165,13 +166,22 @@ pub fn id_color(patch: PatchId) -> [u8; 3] {
 }
 
 /// The values to show, W/m^2, one per patch.
-fn patch_values(scene: &Scene, solution: Option<&Solution>, quantity: Quantity) -> Vec<Rgb> {
-    match (solution, quantity) {
+fn patch_values(
+    scene: &Scene,
+    solution: Option<&Solution>,
+    quantity: Quantity,
+) -> Result<Vec<Rgb>, SettingsError> {
+    Ok(match (solution, quantity) {
         (Some(solution), Quantity::Radiosity) => solution.mean_radiosity(scene),
         (Some(solution), Quantity::Irradiance) => solution.mean_irradiance(scene),
         (None, Quantity::Radiosity) => scene.patch_emissions(),
         (None, Quantity::Irradiance) => vec![Rgb::ZERO; scene.patch_count() as usize],
-    }
+        (solution, Quantity::Error) => {
+            let error = solution.and_then(Solution::error);
+            let error = error.ok_or(SettingsError::NoError)?;
+            error.iter().map(|&error| Rgb::splat(error)).collect()
+        }
+    })
 }
 
 /// The mapping that is asked for; `None` in [`Mode::Ids`].

@@ -3,14 +3,16 @@
 use std::io::Write;
 use std::path::Path;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use scene::{Rgb, Scene, Solution, export};
 
 use crate::dark;
 use crate::number;
 use crate::output::{save_exr, save_png};
 use crate::picture::{patch_colors, render};
-use crate::settings::{ExportFormat, ImageFormat, Mode, Quantity, RenderSettings, Settings};
+use crate::settings::{
+    ExportFormat, ImageFormat, Mode, Quantity, RenderSettings, Settings, SettingsError,
+};
 use crate::shade::Seen;
 use crate::tone::Tone;
 
@@ -22,6 +24,10 @@ const CONVERGED: f64 = 1e-3;
 pub fn run(settings: &Settings) -> Result<()> {
     settings.validate()?;
     let (scene, solution) = scene::file::load(&settings.input)?;
+    let has_error = solution.as_ref().is_some_and(|s| s.error().is_some());
+    if settings.render.quantity == Quantity::Error && !has_error {
+        return Err(SettingsError::NoError).with_context(|| settings.input.display().to_string());
+    }
     if shows_solution(settings)
         && let Some(trouble) = trouble(&scene, solution.as_ref(), &settings.render)
     {
@@ -64,6 +70,8 @@ fn trouble(
     let shown = match settings.quantity {
         Quantity::Radiosity => "the radiosity shown is the emission alone",
         Quantity::Irradiance => "the irradiance shown is 0",
+        // Which is an error of its own without a solution.
+        Quantity::Error => "the error shown is 0",
     };
     let Some(solution) = solution else {
         return Some(format!("no solution, {shown}; make one with compute"));

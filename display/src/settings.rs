@@ -48,6 +48,8 @@ pub enum Quantity {
     Radiosity,
     /// H, W/m^2: what a light meter sees.
     Irradiance,
+    /// An estimate of the error of the reflected radiosity, W/m^2, one value a patch.
+    Error,
 }
 
 impl std::fmt::Display for Quantity {
@@ -55,6 +57,7 @@ impl std::fmt::Display for Quantity {
         f.write_str(match self {
             Self::Radiosity => "radiosity",
             Self::Irradiance => "irradiance",
+            Self::Error => "error",
         })
     }
 }
@@ -224,6 +227,10 @@ pub enum SettingsError {
          --export FILE.ply|.glb|.obj|.csv for the patches"
     )]
     NothingToDo,
+    #[error(
+        "--quantity error: nothing has estimated the error of this file; compute --target-error does"
+    )]
+    NoError,
     #[error("size {width}x{height}: each side must be 1 to {MAX_SIDE} pixels")]
     Side { width: u32, height: u32 },
     #[error("size {width}x{height}: the limit is {MAX_PIXELS} pixels in all; give a smaller one")]

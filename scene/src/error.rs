@@ -74,6 +74,10 @@ pub enum SceneError {
     VertexValues { values: usize, vertices: u32 },
     #[error("vertex {vertex}: {value} W/m^2 is no irradiance (finite, >= 0)")]
     VertexValue { vertex: u32, value: f32 },
+    #[error("patch {patch}: {value} W/m^2 is no error of a radiosity (finite, >= 0)")]
+    PatchError { patch: u32, value: f32 },
+    #[error("the solution has {errors} estimates of errors, the scene has {patches} patches")]
+    ErrorLength { errors: usize, patches: u32 },
     #[error("the solution's sources have {value} m^2 at most; it must be a finite number above 0")]
     SourceArea { value: f64 },
     #[error("the solution has {values} irradiances, the scene has {patches} patches")]

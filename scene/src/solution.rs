@@ -158,6 +158,10 @@ impl Solution {
             Ok(())
         };
         check(&self.irradiance, true, 0.0)?;
+        let errors = self.error().map_or(0, <[f32]>::len);
+        if errors != 0 && errors != patches as usize {
+            return Err(SceneError::ErrorLength { errors, patches });
+        }
         if let Level::Gathering { gathered, .. } = &self.provenance.level {
             check(gathered, false, 0.0)?;
         }
@@ -193,6 +197,12 @@ impl Solution {
         patches
             .map(|(patch, &solved)| mean(patch, solved))
             .collect()
+    }
+
+    /// Estimates of the error of the function, one per patch, see [`IrradianceFunction::error`]; `None` where there are none.
+    pub fn error(&self) -> Option<&[f32]> {
+        let function = self.function.as_ref()?;
+        Some(function.error()).filter(|error| !error.is_empty())
     }
 
     /// Radiosities B = E + rho H, W/m^2, one per patch, of the solver's irradiances.

@@ -63,11 +63,11 @@ fn csv_holds_every_value_to_the_last_bit() {
     let rows = rows(&text);
     assert_eq!(
         text.lines().next().unwrap(),
-        "patch,surface,material,cx,cy,cz,area,nx,ny,nz,rho_r,rho_g,rho_b,emission_r,emission_g,emission_b,irradiance_r,irradiance_g,irradiance_b,radiosity_r,radiosity_g,radiosity_b,face,object,inside"
+        "patch,surface,material,cx,cy,cz,area,nx,ny,nz,rho_r,rho_g,rho_b,emission_r,emission_g,emission_b,irradiance_r,irradiance_g,irradiance_b,radiosity_r,radiosity_g,radiosity_b,face,object,inside,error"
     );
     assert_eq!(rows.len(), 1 + 5);
     for (index, row) in rows[1..].iter().enumerate() {
-        assert_eq!(row.len(), 25);
+        assert_eq!(row.len(), 26);
         let patch = scene.patch(PatchId(index as u32));
         let material = scene.patch_material(PatchId(index as u32));
         assert_eq!(row[0], index.to_string());
@@ -104,6 +104,8 @@ fn csv_holds_every_value_to_the_last_bit() {
         assert_eq!(row[23], if is_wall { "room" } else { "lamp" });
         let is_inside = scene.inside().contains(&PatchId(index as u32));
         assert_eq!(row[24], if is_inside { "1" } else { "0" });
+        let error = solution.error().map(|error| error[index].to_string());
+        assert_eq!(row[25], error.unwrap_or_default());
     }
 }
 

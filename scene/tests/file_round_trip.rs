@@ -89,11 +89,17 @@ fn any_function(scene: &Scene) -> impl Strategy<Value = Option<IrradianceFunctio
         }
         mesh.mesh().unwrap()
     });
-    let function = grown.prop_flat_map(|mesh| {
+    let patches = scene.patch_count() as usize;
+    let function = grown.prop_flat_map(move |mesh| {
         let values = || vec(rgb(f32::INFINITY), mesh.vertex_count() as usize);
-        let values = (values(), values());
-        values.prop_map(move |(irradiance, direct)| {
-            IrradianceFunction::new(mesh.clone(), irradiance, direct).unwrap()
+        let error = proptest::option::of(vec(0.0..f32::MAX, patches));
+        let values = (values(), values(), error);
+        values.prop_map(move |(irradiance, direct, error)| {
+            let function = IrradianceFunction::new(mesh.clone(), irradiance, direct).unwrap();
+            match error {
+                Some(error) => function.with_error(error).unwrap(),
+                None => function,
+            }
         })
     });
     proptest::option::of(function)

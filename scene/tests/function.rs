@@ -275,6 +275,11 @@ fn parts_that_are_no_mesh_are_errors() {
             made(wrong, good()),
             Err(SceneError::VertexValue { vertex: 3, .. })
         ));
+        let function = made(good(), good()).unwrap();
+        assert!(matches!(
+            function.with_error(vec![0.0, value]),
+            Err(SceneError::PatchError { patch: 1, .. })
+        ));
     }
 }
 

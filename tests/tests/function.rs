@@ -175,6 +175,26 @@ fn pictures_and_tables_show_the_function() {
     for (row, mean) in patches(&folder, "a.rad").iter().zip(&means) {
         assert_eq!(row.irradiance, mean.as_dvec3());
     }
+    let table = |file: &str| {
+        run(&folder, "display", &[file, "--export", "t.csv"]);
+        Table::read(&folder.path().join("t.csv"))
+    };
+    let (with, without) = (table("a.rad"), table("b.rad"));
+    let (_, solution) = scene::file::load(&folder.path().join("a.rad")).unwrap();
+    for (row, &error) in solution.unwrap().error().unwrap().iter().enumerate() {
+        assert_eq!(with.text(row, "error"), error.to_string());
+        assert_eq!(without.text(row, "error"), "");
+    }
+    let map = picture("a.rad", &["--quantity", "error"]);
+    assert!(map != shown && map.pixels().any(|pixel| pixel != map.get_pixel(0, 0)));
+    let arguments = ["b.rad", "--out", "a.png", "--quantity", "error"];
+    let refused = output(&folder, "display", &arguments);
+    let message = String::from_utf8_lossy(&refused.stderr);
+    assert!(
+        refused.status.code() == Some(1) && message.contains("b.rad"),
+        "{message}"
+    );
+
     let near = patches(&folder, "b.rad");
     let sums = |rows: &[tests::PatchRow]| {
         rows.iter()

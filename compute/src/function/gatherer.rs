@@ -33,6 +33,8 @@ pub(super) struct Light {
     pub direct: DVec3,
     /// The rest, if sources are one value each.
     pub by_sources: DVec3,
+    /// The share of what it sees, by form factors, that is fronts of surfaces and no opening.
+    pub surfaces: f64,
 }
 
 impl Light {
@@ -65,6 +67,8 @@ pub(super) struct Gatherer<'a, 'c> {
     emission: Vec<Rgb>,
     /// What the sources are like within, once they are refined.
     within: Option<IrradianceFunction>,
+    /// The share of reflected light that is added for what that comes to on the whole.
+    ambient: DVec3,
     cancel: &'c CancelToken,
 }
 
@@ -90,6 +94,7 @@ impl<'a, 'c> Gatherer<'a, 'c> {
             places,
             done: 0,
             within: None,
+            ambient: DVec3::ZERO,
             cancel,
         })
     }
@@ -119,6 +124,12 @@ impl<'a, 'c> Gatherer<'a, 'c> {
                     irradiance,
                     direct,
                     by_sources: irradiance - direct,
+                    surfaces: rows
+                        .row(k)
+                        .iter()
+                        .map(|entry| f64::from(entry.units))
+                        .sum::<f64>()
+                        / f64::from(UNITS_PER_ONE),
                 }
             }));
         }
@@ -127,7 +138,8 @@ impl<'a, 'c> Gatherer<'a, 'c> {
                 return Ok(None);
             };
             for (light, [by_sources, by_function]) in lights.iter_mut().zip(looks) {
-                light.add_reflected(by_function - by_sources);
+                let ambient = self.ambient * light.by_sources;
+                light.add_reflected(by_function - by_sources + ambient);
             }
         }
         Ok(Some(lights))
@@ -144,7 +156,7 @@ impl<'a, 'c> Gatherer<'a, 'c> {
         let looks = now.into_iter().zip(before);
         let look = |([by_sources, now], [_, before]): (Reflected, Reflected)| Look {
             by_sources,
-            by_function: now - before,
+            by_function: now - before - self.ambient * by_sources,
         };
         Some(looks.map(look).collect())
     }
@@ -159,6 +171,11 @@ impl<'a, 'c> Gatherer<'a, 'c> {
                 .map(|[by_sources, by_function]| by_function - by_sources)
                 .collect(),
         )
+    }
+
+    /// From now on this share of all reflected light is added to it.
+    pub fn add_ambient(&mut self, share: DVec3) {
+        self.ambient = share;
     }
 
     /// The resolution that does for differences that share their pixels: half of it, but not below [`FEWEST_PIXELS`].
@@ -216,6 +233,7 @@ mod tests {
             irradiance: DVec3::splat(0.25),
             direct: DVec3::splat(0.125),
             by_sources: DVec3::splat(0.125),
+            surfaces: 1.0,
         };
         light.add_reflected(DVec3::new(0.5, -0.0625, -0.5));
         assert_eq!(light.irradiance, DVec3::new(0.75, 0.1875, 0.125));

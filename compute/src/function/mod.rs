@@ -28,8 +28,10 @@
 //! with.
 
 mod checks;
+mod direct;
 mod gatherer;
 mod growth;
+mod lit_mesh;
 mod report;
 mod roots;
 mod second_look;
@@ -45,17 +47,25 @@ use crate::cancel::CancelToken;
 use crate::rows::BackendError;
 use crate::settings::Target;
 use crate::sources::Sources;
+use checks::{Check, Sample};
 use gatherer::Gatherer;
-use growth::{FlatPatch, Growth};
+use growth::Growth;
+use lit_mesh::{FlatPatch, LitMesh};
 use vertices::Place;
 
-pub use report::{ErrorByCause, Errors, FunctionReport};
+pub use report::{Cause, ErrorByCause, Errors, FunctionEnd, FunctionReport};
 
 /// Leaves are at most this share of the scene's area.
 const COARSEST: f64 = 1.0 / 512.0;
 
 /// How far inside of the triangle that it came with a vertex on a wall's side gathers, as a share of the way to its middle.
 const INSET: f64 = 1.0 / 64.0;
+
+/// How many other samples have to confirm together that the error is as small as was asked for.
+const CONFIRMATIONS: u32 = 2;
+
+/// One point in so many looks a second time.
+const LOOK_EVERY: usize = 4;
 
 /// What a function is gathered for, and until when.
 #[derive(Clone, Copy)]
@@ -96,58 +106,116 @@ pub fn gather<'a>(
     let scene = sources.patches();
     let mesh = first_mesh(scene, sources.drawable(), order.is_lit);
     let flat = flat_patches(scene, &mesh, solution, order.is_lit);
-    let mut growth = Growth::new(scene, mesh, flat, order.target);
+    let mut growth = Growth::new(LitMesh::new(scene, mesh, flat), order.target);
     let mut gatherer = Gatherer::new(form_factors, sources, solution, order.cancel)?;
-    let covered = growth.area() / scene.area();
+    let covered = growth.lit().area() / scene.area();
     let iterations = Errors::splat(order.iterations);
-    let mut check_count = 0;
+    let (mut check_count, mut round, mut can_grow) = (0, 0, true);
     loop {
-        let new = growth.new_vertices();
-        let places: Vec<Place> = new.map(|vertex| place(growth.mesh(), vertex)).collect();
+        let new = growth.lit().new_vertices();
+        let places: Vec<Place> = new
+            .map(|vertex| place(growth.lit().mesh(), vertex))
+            .collect();
         let Some(lights) = gatherer.gather(&places)? else {
             return Ok(None);
         };
         growth.take(lights);
-        let is_last = growth.is_full() || (order.is_late)();
+        let is_late = (order.is_late)();
+        let is_last = growth.is_full() || is_late || !can_grow;
         if is_last || growth.wants_checks() {
-            let checks = growth.checks();
-            check_count += checks.len() as u32;
-            let places: Vec<Place> = checks.iter().map(|check| check.place).collect();
-            let Some(lights) = gatherer.gather(&places)? else {
+            let function = growth.lit().function()?;
+            let mut sample = Sample::default();
+            let mut judge = |growth: &mut Growth, gatherer: &mut Gatherer, sample: &mut Sample| {
+                round += 1;
+                let checks = growth.checks(round);
+                let Some(more) = sampled(gatherer, &function, checks)? else {
+                    return Ok::<_, FunctionFault>(None);
+                };
+                *sample = std::mem::take(sample).and(more);
+                check_count = sample.checks.len() as u32;
+                let [sources, pixels] = growth.causes(sample);
+                let mesh = growth.compare(sample);
+                Ok(Some(ErrorByCause::new(mesh, sources, pixels, iterations)))
+            };
+            let Some(mut error) = judge(&mut growth, &mut gatherer, &mut sample)? else {
                 return Ok(None);
             };
-            let function = growth.function()?;
-            let Some(looks) = gatherer.look_again(&function, &places) else {
-                return Ok(None);
-            };
-            let [sources, pixels] = growth.causes(&checks, &lights, &looks);
-            let mesh = growth.compare(&checks, &lights);
-            let error = ErrorByCause::new(mesh, sources, pixels, iterations);
-            growth.ask(&error, gatherer.is_refined());
-            if !is_last && growth.wants_finer_sources(&error) && !gatherer.is_refined() {
-                let vertices = (0..growth.mesh().vertex_count()).map(VertexId);
-                let places: Vec<Place> = vertices.map(|v| place(growth.mesh(), v)).collect();
+            // Who believes the first sample that looks good has been lucky as a rule: other ones tell.
+            if growth.is_reached(error.total) {
+                sample = Sample::default();
+                for _ in 0..CONFIRMATIONS {
+                    let Some(confirmed) = judge(&mut growth, &mut gatherer, &mut sample)? else {
+                        return Ok(None);
+                    };
+                    error = confirmed;
+                }
+            }
+            let can_refine = !is_last && !gatherer.is_refined();
+            growth.ask(&error, can_refine);
+            if can_refine && growth.wants_finer_sources(&error) && growth.is_enough(error.mesh) {
+                let mesh = growth.lit().mesh();
+                let vertices = (0..mesh.vertex_count()).map(VertexId);
+                let places: Vec<Place> = vertices.map(|vertex| place(mesh, vertex)).collect();
                 let Some(finer) = gatherer.refine(function, &places) else {
                     return Ok(None);
                 };
-                growth.add(&finer);
+                gatherer.add_ambient(growth.add(&finer));
                 continue;
             }
             let is_reached = growth.is_reached(error.total);
-            if is_last || is_reached || growth.is_enough(mesh) || growth.is_stuck(mesh) {
+            let end = if is_reached {
+                Some(FunctionEnd::Error)
+            } else if growth.is_full() {
+                Some(FunctionEnd::Vertices)
+            } else if is_late {
+                Some(FunctionEnd::TimeLimit)
+            } else if !can_grow || growth.is_enough(error.mesh) || growth.is_stuck(error.mesh) {
+                Some(FunctionEnd::OtherCauses)
+            } else {
+                None
+            };
+            if let Some(stopped_by) = end {
+                let patch_errors = growth.patch_errors(&error);
+                let is_known = check_count > 0;
+                let mesh = growth.lit().mesh();
                 let report = FunctionReport {
-                    vertices: growth.mesh().vertex_count(),
-                    triangles: growth.mesh().leaves().count() as u32,
+                    vertices: mesh.vertex_count(),
+                    triangles: mesh.leaves().count() as u32,
                     covered,
                     checks: check_count,
-                    error: (check_count > 0).then_some(error),
+                    error: is_known.then_some(error),
                     is_reached,
+                    stopped_by,
+                    mostly_by: is_known.then(|| error.worst(&order.target)),
+                    mostly_on: report::worst_object(scene, &patch_errors),
                 };
+                let function = function.with_error(patch_errors)?;
                 return Ok(Some((function, report)));
             }
         }
-        growth.grow();
+        can_grow = growth.grow();
     }
+}
+
+/// What is found at some points; `None` where it is cancelled.
+fn sampled(
+    gatherer: &mut Gatherer,
+    function: &IrradianceFunction,
+    checks: Vec<Check>,
+) -> Result<Option<Sample>, BackendError> {
+    let places: Vec<Place> = checks.iter().map(|check| check.place).collect();
+    let Some(lights) = gatherer.gather(&places)? else {
+        return Ok(None);
+    };
+    // Which cost several times what gathering does, and find much the same everywhere.
+    let again: Vec<usize> = (0..places.len()).step_by(LOOK_EVERY).collect();
+    let places: Vec<Place> = again.iter().map(|&k| places[k]).collect();
+    let looks = gatherer.look_again(function, &places);
+    Ok(looks.map(|looks| Sample {
+        checks,
+        lights,
+        looks: again.into_iter().zip(looks).collect(),
+    }))
 }
 
 /// The mesh to begin with.

@@ -1,6 +1,11 @@
 //! What is said of a function.
 
+use std::fmt::Write as _;
+
+use scene::{ObjectId, Scene};
 use serde::Serialize;
+
+use crate::settings::Target;
 
 /// Two errors of a function, relative.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -36,6 +41,52 @@ pub struct FunctionReport {
     pub error: Option<ErrorByCause>,
     /// Whether that is as small as was asked for.
     pub is_reached: bool,
+    /// Why there are no more vertices.
+    pub stopped_by: FunctionEnd,
+    /// The cause that has most of the error, of the power error where that is asked for; null where light reaches nothing.
+    pub mostly_by: Option<Cause>,
+    /// The object that has most of the estimated error; null where there is none.
+    #[serde(skip)]
+    pub mostly_on: Option<ObjectId>,
+}
+
+/// Why a function has no more vertices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FunctionEnd {
+    /// Its error is as small as was asked for.
+    Error,
+    /// It has as many as it may.
+    Vertices,
+    /// The time was over.
+    TimeLimit,
+    /// More of them would not bring it there.
+    OtherCauses,
+}
+
+/// What makes a function wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Cause {
+    /// That it is linear between vertices, and one value a patch elsewhere.
+    Mesh,
+    /// That sources are as large as they are.
+    Sources,
+    /// That hemicubes have pixels.
+    Pixels,
+    /// That the iteration came to an end.
+    Iterations,
+}
+
+impl Cause {
+    fn describe(self) -> &'static str {
+        match self {
+            Self::Mesh => "the mesh",
+            Self::Sources => "the size of patches",
+            Self::Pixels => "pixels",
+            Self::Iterations => "iterations",
+        }
+    }
 }
 
 /// What makes a function wrong, as far as is known.
@@ -76,43 +127,75 @@ impl ErrorByCause {
         }
     }
 
-    /// The cause that has most of the power error.
-    fn worst(&self) -> &'static str {
+    /// The cause that has most of the error, of that which is asked for.
+    pub(super) fn worst(&self, target: &Target) -> Cause {
         let causes = [
-            (self.mesh, "the mesh"),
-            (self.sources, "the size of patches"),
-            (self.pixels, "pixels"),
-            (self.iterations, "iterations"),
+            (self.mesh, Cause::Mesh),
+            (self.sources, Cause::Sources),
+            (self.pixels, Cause::Pixels),
+            (self.iterations, Cause::Iterations),
         ];
-        let worst = causes
-            .iter()
-            .max_by(|(a, _), (b, _)| a.power.total_cmp(&b.power));
-        worst.map_or("", |(_, name)| name)
+        let size = |error: Errors| match target.power {
+            Some(_) => error.power,
+            None => error.visible,
+        };
+        let worst = causes.into_iter();
+        let worst = worst.max_by(|(a, _), (b, _)| size(*a).total_cmp(&size(*b)));
+        worst.map_or(Cause::Mesh, |(_, cause)| cause)
     }
 }
 
-impl std::fmt::Display for FunctionReport {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+impl FunctionReport {
+    /// A line for people about the function of this scene.
+    pub fn describe(&self, scene: &Scene) -> String {
         let Some(error) = &self.error else {
-            return f.write_str("none: light reaches nothing that reflects it");
+            return "none: light reaches nothing that reflects it".into();
         };
         let Errors { power, visible } = error.total;
-        write!(
-            f,
-            "{:.2} % power, {:.2} % visible, mostly by {}; {} vertices",
+        let mut line = format!(
+            "{:.2} % power, {:.2} % visible",
             100.0 * power,
-            100.0 * visible,
-            error.worst(),
-            self.vertices
-        )?;
+            100.0 * visible
+        );
+        if let Some(cause) = self.mostly_by {
+            write!(line, ", mostly by {}", cause.describe()).ok();
+        }
+        if let Some(object) = self.mostly_on {
+            write!(line, ", on \"{}\"", scene.object(object)).ok();
+        }
+        write!(line, "; {} vertices", self.vertices).ok();
         if self.covered < MOSTLY {
-            write!(f, " on {:.0} % of the area", 100.0 * self.covered)?;
+            write!(line, " on {:.0} % of the area", 100.0 * self.covered).ok();
         }
-        if !self.is_reached {
-            f.write_str("; more than was asked for")?;
-        }
-        Ok(())
+        line += match self.stopped_by {
+            FunctionEnd::Error => "",
+            FunctionEnd::Vertices => {
+                "; more than was asked for, which takes more vertices than there may be"
+            }
+            FunctionEnd::TimeLimit => "; more than was asked for, stopped by --time-limit",
+            FunctionEnd::OtherCauses => {
+                "; more than was asked for, and more vertices would not help"
+            }
+        };
+        line
     }
+}
+
+/// The object on which patches have most of the error that is estimated of them, W/m^2.
+pub(super) fn worst_object(scene: &Scene, error: &[f32]) -> Option<ObjectId> {
+    let mut of_object = vec![0.0; scene.objects().len()];
+    for (surface, tree) in scene.surfaces().iter().zip(scene.mesh().trees()) {
+        let area = surface.area() / f64::from(1_u32 << tree.depth);
+        let squares = tree
+            .patches()
+            .map(|patch| f64::from(error[patch as usize]).powi(2));
+        of_object[surface.object.index()] += area * squares.sum::<f64>();
+    }
+    let worst = (0..).map(ObjectId).zip(of_object);
+    let worst = worst.max_by(|(_, a), (_, b)| a.total_cmp(b));
+    worst
+        .filter(|&(_, error)| error > 0.0)
+        .map(|(object, _)| object)
 }
 
 /// The share of the area that has vertices from which on nothing is said of the rest.

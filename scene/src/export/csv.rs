@@ -10,7 +10,7 @@ use crate::{Rgb, Scene, Solution};
 /// The first line.
 pub const HEADER: &str = "patch,surface,material,cx,cy,cz,area,nx,ny,nz,\
     rho_r,rho_g,rho_b,emission_r,emission_g,emission_b,\
-    irradiance_r,irradiance_g,irradiance_b,radiosity_r,radiosity_g,radiosity_b,face,object,inside";
+    irradiance_r,irradiance_g,irradiance_b,radiosity_r,radiosity_g,radiosity_b,face,object,inside,error";
 
 /// Writes one row a patch, in patch order.
 ///
@@ -19,7 +19,8 @@ pub const HEADER: &str = "patch,surface,material,cx,cy,cz,area,nx,ny,nz,\
 /// the same value: f64 for centroid and area, f32 for all else. Without a solution the irradiance
 /// is 0. The face is the triangle of the imported file that the patch lies in, see
 /// [`Scene::with_faces`], the object its name; inside is 1 where the patch is known to lie inside of a solid, else 0, see
-/// [`Scene::with_inside`].
+/// [`Scene::with_inside`]; error the estimate of that of the radiosity, W/m^2, see [`Solution::error`], and empty where there is
+/// none.
 pub fn save(path: &Path, scene: &Scene, solution: Option<&Solution>) -> Result<(), FileError> {
     let dark;
     let solution = if let Some(solution) = solution {
@@ -35,6 +36,7 @@ pub fn save(path: &Path, scene: &Scene, solution: Option<&Solution>) -> Result<(
     let irradiance = solution.mean_irradiance(scene);
     let radiosity = solution.mean_radiosity(scene);
     let is_inside = scene.is_inside();
+    let error = solution.error();
     write_atomically(path, |out| {
         writeln!(out, "{HEADER}")?;
         let values = irradiance.iter().zip(&radiosity);
@@ -64,7 +66,11 @@ pub fn save(path: &Path, scene: &Scene, solution: Option<&Solution>) -> Result<(
             }
             let face = scene.faces()[patch.surface.index()];
             let object = quoted(scene.object(surface.object));
-            writeln!(out, ",{face},{object},{}", u8::from(is_inside[index]))?;
+            write!(out, ",{face},{object},{},", u8::from(is_inside[index]))?;
+            match error {
+                Some(error) => writeln!(out, "{}", error[index])?,
+                None => writeln!(out)?,
+            }
         }
         Ok(())
     })

@@ -93,9 +93,11 @@ impl SectionName {
     pub const FUNCTION_NODES: Self = Self::new("function-nodes");
     /// [`VertexRecord`]s.
     pub const VERTICES: Self = Self::new("vertices");
+    /// f32 estimates of an irradiance function's error; not there where there are none.
+    pub const PATCH_ERROR: Self = Self::new("patch-error");
 
     /// All that this code knows.
-    const ALL: [Self; 16] = [
+    const ALL: [Self; 17] = [
         Self::NAMES,
         Self::MATERIALS,
         Self::SURFACES,
@@ -112,6 +114,7 @@ impl SectionName {
         Self::FUNCTION_ROOTS,
         Self::FUNCTION_NODES,
         Self::VERTICES,
+        Self::PATCH_ERROR,
     ];
 
     const fn new(name: &str) -> Self {

@@ -25,9 +25,11 @@
 //! | function-roots | u32: the node of each surface, 2^32 - 1 where it has none | surfaces |
 //! | function-nodes | 3 u32: vertices; u32: first child, 0 for a leaf | nodes |
 //! | vertices | 9 f32: position, metres; irradiance and the direct part of it, W/m^2 | vertices |
+//! | patch-error | f32: estimate of the function's error, W/m^2 | patches |
 //!
 //! Where there are no faces, a surface's is its number. Provenance and irradiance are there where there is a
-//! solution, the last three where it has an [`crate::function::IrradianceFunction`], the others where its [`crate::Level`] or its [`crate::State`] has them. The header's
+//! solution, the last four where it has an [`crate::function::IrradianceFunction`], but the very last only where its error has been
+//! estimated, the others where its [`crate::Level`] or its [`crate::State`] has them. The header's
 //! checksum (XXH3, 64 bits) covers every other byte of the file.
 //!
 //! # Growth

@@ -152,7 +152,12 @@ fn function(sections: &Sections, surfaces: usize) -> Result<Option<IrradianceFun
     let irradiance = vertices.iter().map(|record| record.irradiance.into());
     let direct = vertices.iter().map(|record| record.direct.into());
     let function = IrradianceFunction::new(mesh, irradiance.collect(), direct.collect())?;
-    Ok(Some(function))
+    Ok(Some(
+        match sections.records_if_any(SectionName::PATCH_ERROR)? {
+            Some(error) => function.with_error(error)?,
+            None => function,
+        },
+    ))
 }
 
 fn state(sections: &Sections) -> Result<State, FileFault> {

@@ -181,6 +181,9 @@ pub fn to_bytes(scene: &Scene, solution: Option<&Solution>) -> Vec<u8> {
         file.records(SectionName::FUNCTION_ROOTS, 0, mesh.roots());
         file.records(SectionName::FUNCTION_NODES, 0, mesh.nodes());
         file.records(SectionName::VERTICES, 0, &vertices.collect::<Vec<_>>());
+        if !function.error().is_empty() {
+            file.records(SectionName::PATCH_ERROR, 0, function.error());
+        }
     }
     file.finish(scene.origin().into())
 }

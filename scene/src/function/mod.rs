@@ -21,6 +21,8 @@ pub struct IrradianceFunction {
     irradiance: Vec<Rgb>,
     /// The part of it that comes from emitters without reflection, one per vertex, W/m^2.
     direct: Vec<Rgb>,
+    /// See [`Self::error`].
+    error: Vec<f32>,
 }
 
 impl IrradianceFunction {
@@ -52,7 +54,20 @@ impl IrradianceFunction {
             mesh,
             irradiance,
             direct,
+            error: Vec::new(),
         })
+    }
+
+    /// The same function with an estimate of its error, one per patch, see [`Self::error`].
+    ///
+    /// # Errors
+    /// An estimate that is negative or not finite.
+    pub fn with_error(self, error: Vec<f32>) -> Result<Self, SceneError> {
+        let is_wrong = |value: f32| !(value.is_finite() && value >= 0.0);
+        match (0..).zip(&error).find(|&(_, &value)| is_wrong(value)) {
+            Some((patch, &value)) => Err(SceneError::PatchError { patch, value }),
+            None => Ok(Self { error, ..self }),
+        }
     }
 
     /// The mesh.
@@ -68,6 +83,12 @@ impl IrradianceFunction {
     /// What of it comes from emitters without reflection, W/m^2.
     pub fn direct(&self) -> &[Rgb] {
         &self.direct
+    }
+
+    /// How far its reflected radiosity is estimated to be from what it should be, W/m^2: the root mean square over a patch and
+    /// the channels, one per patch; empty where nobody has estimated it.
+    pub fn error(&self) -> &[f32] {
+        &self.error
     }
 
     /// The value that is linear between some values at the vertices, one per vertex, at barycentric coordinates in a

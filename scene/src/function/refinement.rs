@@ -251,9 +251,10 @@ impl Refinement {
             .map(|ends| ends.map(VertexId))
     }
 
-    /// How often the surface was bisected that a triangle is part of.
-    pub fn depth(&self, node: NodeId) -> u32 {
-        self.facts[node.0 as usize].depth
+    /// How often the surface was bisected that a triangle is part of, and the code of these bisections, see [`bisection`].
+    pub fn bisections(&self, node: NodeId) -> (u32, u32) {
+        let Facts { depth, code, .. } = self.facts[node.0 as usize];
+        (depth, code)
     }
 
     /// The corners of a triangle as barycentric coordinates in its surface, in the order of [`Self::corners`]; exact.
@@ -292,7 +293,7 @@ impl Refinement {
 
     /// Bisects a leaf, and whatever has to be for the mesh to conform; nothing if it is as deep as a tree may be.
     pub fn bisect(&mut self, leaf: NodeId) {
-        if !self.is_leaf(leaf) || self.depth(leaf) >= MAX_DEPTH {
+        if !self.is_leaf(leaf) || self.bisections(leaf).0 >= MAX_DEPTH {
             return;
         }
         let mut open = vec![self.cut(leaf.0)];

@@ -116,12 +116,7 @@ impl ImportedModel {
 
     fn meshed(
         self,
-        mesh: impl FnOnce(
-            Vec<Material>,
-            Vec<String>,
-            Vec<Surface>,
-            DVec3,
-        ) -> Result<Scene, SceneError>,
+        mesh: impl FnOnce(Vec<Material>, Vec<String>, Vec<Surface>, DVec3) -> Result<Scene, SceneError>,
     ) -> Result<Scene, SceneError> {
         mesh(self.materials, self.objects, self.surfaces, self.origin)?
             .with_faces(self.faces)?

@@ -103,7 +103,9 @@ fn small_function(scene: &Scene) -> IrradianceFunction {
         let vertices = (0..mesh.vertex_count()).map(|v| v as f32);
         vertices.map(|v| Rgb::new(offset, v, 1.0) / 3.0).collect()
     };
-    IrradianceFunction::new(mesh.clone(), values(6.0), values(7.0)).unwrap()
+    let function = IrradianceFunction::new(mesh.clone(), values(6.0), values(7.0)).unwrap();
+    let error = (0..scene.patch_count()).map(|patch| patch as f32 / 7.0);
+    function.with_error(error.collect()).unwrap()
 }
 
 /// Different values, one per patch.
