@@ -18,7 +18,11 @@ const MOST_EMITTERS: usize = 1 << 10;
 /// corners tell.
 const NEAR: f64 = 4.0;
 
-/// A triangle is parted until parts are not larger than this share of their distance to emitters, or there are this many.
+/// Of those that are near so many are asked.
+const MOST_NEAR: usize = 24;
+
+/// A triangle is parted, the largest part over its distance to emitters first, until none is larger than this, or there are this
+/// many.
 const PART: f64 = 0.5;
 const MOST_PARTS: usize = 256;
 
@@ -119,43 +123,81 @@ impl Emitters {
         if near.is_empty() {
             return None;
         }
+        // Some stand for the many facets of a round lamp.
+        let all = near.len() as f64;
+        let near: Vec<&Emitter> = near
+            .iter()
+            .copied()
+            .step_by(near.len().div_ceil(MOST_NEAR))
+            .collect();
+        let each = all / near.len() as f64;
         let receive = |position: DVec3| {
-            let each = near.iter();
-            each.map(|emitter| emitter.irradiance(position, normal))
-                .sum::<DVec3>()
+            let received = near
+                .iter()
+                .map(|emitter| emitter.irradiance(position, normal));
+            each * received.sum::<DVec3>()
         };
         // As vertices do on a wall's side, which holds the plane of the next one.
         let at_corners = triangle.map(|corner| receive(corner.lerp(middle, INSET)));
-        // With their share of the triangle.
-        let mut open = vec![([DVec3::X, DVec3::Y, DVec3::Z], 1.0)];
-        let mut parts = Vec::new();
-        // Breadth first, so that all become small together.
-        let mut next = 0;
-        while let Some(&(part, share)) = open.get(next) {
-            next += 1;
-            let on_wall = part.map(|w| (0..3).map(|k| w[k] * triangle[k]).sum::<DVec3>());
-            let middle = part.iter().sum::<DVec3>() / 3.0;
-            let position = on_wall.iter().sum::<DVec3>() / 3.0;
-            let distances = near
-                .iter()
-                .map(|emitter| distance(position, emitter.corners));
-            let nearest = distances.fold(f64::INFINITY, f64::min);
-            let waiting = open.len() - next;
-            let (longest, first) = longest_side(on_wall);
-            if longest > PART * nearest && parts.len() + waiting + 2 <= MOST_PARTS {
-                let [a, b, c] = [0, 1, 2].map(|k| part[(first + k) % 3]);
-                let m = 0.5 * (a + b);
-                open.extend([[a, m, c], [m, b, c]].map(|half| (half, 0.5 * share)));
-                continue;
-            }
-            let linear: DVec3 = (0..3).map(|k| middle[k] * at_corners[k]).sum();
-            parts.push(Part {
-                in_triangle: part,
-                share,
-                surplus: receive(position) - linear,
-            });
+        let whole = Piece::new([DVec3::X, DVec3::Y, DVec3::Z], 1.0, triangle, &near);
+        let mut pieces = vec![whole];
+        while pieces.len() < MOST_PARTS {
+            let sizes = pieces.iter().enumerate();
+            let largest = sizes.max_by(|(_, a), (_, b)| a.size.total_cmp(&b.size));
+            let Some((k, _)) = largest.filter(|(_, piece)| piece.size > PART) else {
+                break;
+            };
+            let [first, second] = pieces[k].halves(triangle, &near);
+            pieces[k] = first;
+            pieces.push(second);
         }
+        let part = |piece: Piece| {
+            let middle = piece.corners.iter().sum::<DVec3>() / 3.0;
+            let linear: DVec3 = (0..3).map(|k| middle[k] * at_corners[k]).sum();
+            let position: DVec3 = (0..3).map(|k| middle[k] * triangle[k]).sum();
+            Part {
+                in_triangle: piece.corners,
+                share: piece.share,
+                surplus: receive(position) - linear,
+            }
+        };
+        let parts = pieces.into_iter().map(part).collect();
         Some(Spots { parts, at_corners })
+    }
+}
+
+/// A part on its way.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    /// As barycentric coordinates in the triangle.
+    corners: [DVec3; 3],
+    /// Of the triangle.
+    share: f64,
+    /// Its longest side over its middle's distance from emitters.
+    size: f64,
+    /// The corner at which that side begins.
+    longest: usize,
+}
+
+impl Piece {
+    fn new(corners: [DVec3; 3], share: f64, triangle: [DVec3; 3], near: &[&Emitter]) -> Self {
+        let on_wall = corners.map(|w| (0..3).map(|k| w[k] * triangle[k]).sum::<DVec3>());
+        let middle = on_wall.iter().sum::<DVec3>() / 3.0;
+        let distances = near.iter().map(|emitter| distance(middle, emitter.corners));
+        let nearest = distances.fold(f64::INFINITY, f64::min);
+        let (side, longest) = longest_side(on_wall);
+        Self {
+            corners,
+            share,
+            size: side / nearest,
+            longest,
+        }
+    }
+
+    fn halves(&self, triangle: [DVec3; 3], near: &[&Emitter]) -> [Self; 2] {
+        let [a, b, c] = [0, 1, 2].map(|k| self.corners[(self.longest + k) % 3]);
+        let m = 0.5 * (a + b);
+        [[a, m, c], [m, b, c]].map(|half| Self::new(half, 0.5 * self.share, triangle, near))
     }
 }
 

@@ -18,11 +18,14 @@
 //! adaptive algorithm for Poisson's equation", SIAM J. Numer. Anal. 33(3), 1996). What is left is measured, not inferred: at
 //! points that are no vertices, chosen by chance in leaves by their share of the sum, the function is compared with what is
 //! gathered there; each difference stands for as much area as it was likely to be missed. Leaves in which a difference
-//! is large are bisected though their corners say nothing.
+//! is large are bisected though their corners say nothing. What neither corners nor chance would find, the spot of a lamp a hand's
+//! breadth before a wall, the closed form of its unhidden light does (`direct.rs`).
 //!
 //! Sources are one value each, and near a contact that is too bright. Where that matters, each vertex gathers once more by the
 //! function itself, at each pixel's own place, less by the sources: the difference is added, and what the next such
-//! difference would be is what is left of the error.
+//! difference would be is what is left of the error. Either is reflected around the scene, which its mean tells, as ambient light.
+//!
+//! Of many samples the first that looks good is a lucky one, so that what it says is not what is stated: others are drawn.
 //!
 //! A side of a wall holds the plane of the next one, so a vertex there gathers a little inside of the triangle that it came
 //! with.
@@ -36,6 +39,8 @@ mod report;
 mod roots;
 mod second_look;
 mod vertices;
+
+use std::time::{Duration, Instant};
 
 use glam::DVec3;
 use scene::function::{IrradianceFunction, NodeId, Refinement, VertexId};
@@ -64,6 +69,9 @@ const INSET: f64 = 1.0 / 64.0;
 /// How many other samples have to confirm together that the error is as small as was asked for.
 const CONFIRMATIONS: u32 = 2;
 
+/// How much longer the next round is taken to be than the last one, when time is short.
+const NEXT_ROUND: f64 = 1.5;
+
 /// One point in so many looks a second time.
 const LOOK_EVERY: usize = 4;
 
@@ -76,8 +84,8 @@ pub struct Order<'o> {
     pub iterations: f64,
     /// Which surfaces light can reach.
     pub is_lit: &'o dyn Fn(SurfaceId) -> bool,
-    /// Whether the time is over.
-    pub is_late: &'o dyn Fn() -> bool,
+    /// Whether the time is over after so much more of it.
+    pub is_late: &'o dyn Fn(Duration) -> bool,
     /// Stops it.
     pub cancel: &'o CancelToken,
 }
@@ -111,7 +119,10 @@ pub fn gather<'a>(
     let covered = growth.lit().area() / scene.area();
     let iterations = Errors::splat(order.iterations);
     let (mut check_count, mut round, mut can_grow) = (0, 0, true);
+    // What the next round is likely to take.
+    let mut next = Duration::ZERO;
     loop {
+        let start = Instant::now();
         let new = growth.lit().new_vertices();
         let places: Vec<Place> = new
             .map(|vertex| place(growth.lit().mesh(), vertex))
@@ -120,7 +131,7 @@ pub fn gather<'a>(
             return Ok(None);
         };
         growth.take(lights);
-        let is_late = (order.is_late)();
+        let is_late = (order.is_late)(next);
         let is_last = growth.is_full() || is_late || !can_grow;
         if is_last || growth.wants_checks() {
             let function = growth.lit().function()?;
@@ -194,6 +205,7 @@ pub fn gather<'a>(
             }
         }
         can_grow = growth.grow();
+        next = start.elapsed().mul_f64(NEXT_ROUND);
     }
 }
 

@@ -43,7 +43,8 @@ pub struct FunctionReport {
     pub is_reached: bool,
     /// Why there are no more vertices.
     pub stopped_by: FunctionEnd,
-    /// The cause that has most of the error, of the power error where that is asked for; null where light reaches nothing.
+    /// The cause that has most of the error, of the power error where that is asked for; left out where light reaches nothing.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub mostly_by: Option<Cause>,
     /// The object that has most of the estimated error; null where there is none.
     #[serde(skip)]

@@ -116,7 +116,7 @@ impl<'a> Run<'a, '_> {
             patches.any(|patch| !rows.unlit()[patch as usize])
         };
         let limit = self.settings.time_limit;
-        let is_late = || limit.is_some_and(|limit| self.start.elapsed() >= limit);
+        let is_late = |more| limit.is_some_and(|limit| self.start.elapsed() + more >= limit);
         let sources = rows.sources().clone();
         let residuals = &solution.provenance.residuals;
         let convergence = Convergence::new(self.settings.solution.solver, residuals);
