@@ -18,7 +18,7 @@ const MOST_EMITTERS: usize = 1 << 10;
 /// corners tell.
 const NEAR: f64 = 4.0;
 
-/// Of those that are near so many are asked.
+/// Of those that are near so many are asked how far they are.
 const MOST_NEAR: usize = 24;
 
 /// A triangle is parted, the largest part over its distance to emitters first, until none is larger than this, or there are this
@@ -123,23 +123,17 @@ impl Emitters {
         if near.is_empty() {
             return None;
         }
-        // Some stand for the many facets of a round lamp.
-        let all = near.len() as f64;
-        let near: Vec<&Emitter> = near
-            .iter()
-            .copied()
-            .step_by(near.len().div_ceil(MOST_NEAR))
-            .collect();
-        let each = all / near.len() as f64;
         let receive = |position: DVec3| {
-            let received = near
-                .iter()
-                .map(|emitter| emitter.irradiance(position, normal));
-            each * received.sum::<DVec3>()
+            let each = near.iter();
+            each.map(|emitter| emitter.irradiance(position, normal))
+                .sum::<DVec3>()
         };
+        // Some of the many facets of a round lamp tell how far it is.
+        let facets = near.len().div_ceil(MOST_NEAR);
+        let some: Vec<&Emitter> = near.iter().copied().step_by(facets).collect();
         // As vertices do on a wall's side, which holds the plane of the next one.
         let at_corners = triangle.map(|corner| receive(corner.lerp(middle, INSET)));
-        let whole = Piece::new([DVec3::X, DVec3::Y, DVec3::Z], 1.0, triangle, &near);
+        let whole = Piece::new([DVec3::X, DVec3::Y, DVec3::Z], 1.0, triangle, &some);
         let mut pieces = vec![whole];
         while pieces.len() < MOST_PARTS {
             let sizes = pieces.iter().enumerate();
@@ -147,7 +141,7 @@ impl Emitters {
             let Some((k, _)) = largest.filter(|(_, piece)| piece.size > PART) else {
                 break;
             };
-            let [first, second] = pieces[k].halves(triangle, &near);
+            let [first, second] = pieces[k].halves(triangle, &some);
             pieces[k] = first;
             pieces.push(second);
         }
