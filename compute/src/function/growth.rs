@@ -52,6 +52,8 @@ pub(super) struct Growth<'s> {
     noise: [f64; 2],
     /// How many vertices there were when it was checked last.
     checked_at: u32,
+    /// How often it was.
+    round: u32,
     /// The mesh's least error so far, squared, power then visible, and how many vertices that took.
     least: ([f64; 2], u32),
     /// How many checks since then have found no better one.
@@ -69,6 +71,7 @@ impl<'s> Growth<'s> {
             calibration: None,
             noise: [0.0; 2],
             checked_at: 0,
+            round: 0,
             least: ([f64::INFINITY; 2], 0),
             since: 0,
         };
@@ -119,13 +122,20 @@ impl<'s> Growth<'s> {
     }
 
     /// Points by chance at which to check, others for each round.
-    pub fn checks(&mut self, round: u32) -> Vec<Check> {
+    pub fn checks(&mut self) -> Vec<Check> {
         self.checked_at = self.lit.mesh().vertex_count();
-        self.lit.checks(round)
+        self.round += 1;
+        self.lit.checks(self.round)
+    }
+
+    /// What a sample says of the function, whose solution's iteration has this error.
+    pub fn judge(&mut self, sample: &Sample, iterations: Errors) -> ErrorByCause {
+        let [sources, pixels] = self.causes(sample);
+        ErrorByCause::new(self.compare(sample), sources, pixels, iterations)
     }
 
     /// What the function misses at points at which this was gathered, but for what pixels bring.
-    pub fn compare(&mut self, sample: &Sample) -> Errors {
+    fn compare(&mut self, sample: &Sample) -> Errors {
         let Sample { checks, lights, .. } = sample;
         let size = self.lit.size();
         let (mut in_leaves, mut in_patches) = ([0.0; 2], [0.0; 2]);
@@ -189,7 +199,7 @@ impl<'s> Growth<'s> {
 
     /// What sources and pixels bring, by what places see when they look a second time. What sources bring on the whole is
     /// reflected on, as ambient light.
-    pub fn causes(&mut self, sample: &Sample) -> [Errors; 2] {
+    fn causes(&mut self, sample: &Sample) -> [Errors; 2] {
         let Sample {
             checks,
             lights,

@@ -52,7 +52,7 @@ use crate::cancel::CancelToken;
 use crate::rows::BackendError;
 use crate::settings::Target;
 use crate::sources::Sources;
-use checks::{Check, Sample};
+use checks::Sample;
 use gatherer::Gatherer;
 use growth::Growth;
 use lit_mesh::{FlatPatch, LitMesh};
@@ -118,7 +118,7 @@ pub fn gather<'a>(
     let mut gatherer = Gatherer::new(form_factors, sources, solution, order.cancel)?;
     let covered = growth.lit().area() / scene.area();
     let iterations = Errors::splat(order.iterations);
-    let (mut check_count, mut round, mut can_grow) = (0, 0, true);
+    let mut can_grow = true;
     // What the next round is likely to take.
     let mut next = Duration::ZERO;
     loop {
@@ -135,32 +135,20 @@ pub fn gather<'a>(
         let is_last = growth.is_full() || is_late || !can_grow;
         if is_last || growth.wants_checks() {
             let function = growth.lit().function()?;
-            let mut sample = Sample::default();
-            let mut judge = |growth: &mut Growth, gatherer: &mut Gatherer, sample: &mut Sample| {
-                round += 1;
-                let checks = growth.checks(round);
-                let Some(more) = sampled(gatherer, &function, checks)? else {
-                    return Ok::<_, FunctionFault>(None);
-                };
-                *sample = std::mem::take(sample).and(more);
-                check_count = sample.checks.len() as u32;
-                let [sources, pixels] = growth.causes(sample);
-                let mesh = growth.compare(sample);
-                Ok(Some(ErrorByCause::new(mesh, sources, pixels, iterations)))
-            };
-            let Some(mut error) = judge(&mut growth, &mut gatherer, &mut sample)? else {
+            let Some(mut sample) = sampled(&mut growth, &mut gatherer, &function, 1)? else {
                 return Ok(None);
             };
+            let mut error = growth.judge(&sample, iterations);
             // Who believes the first sample that looks good has been lucky as a rule: other ones tell.
             if growth.is_reached(error.total) {
-                sample = Sample::default();
-                for _ in 0..CONFIRMATIONS {
-                    let Some(confirmed) = judge(&mut growth, &mut gatherer, &mut sample)? else {
-                        return Ok(None);
-                    };
-                    error = confirmed;
-                }
+                let others = sampled(&mut growth, &mut gatherer, &function, CONFIRMATIONS)?;
+                let Some(others) = others else {
+                    return Ok(None);
+                };
+                sample = others;
+                error = growth.judge(&sample, iterations);
             }
+            let check_count = sample.checks.len() as u32;
             let can_refine = !is_last && !gatherer.is_refined();
             growth.ask(&error, can_refine);
             if can_refine && growth.wants_finer_sources(&error) && growth.is_enough(error.mesh) {
@@ -209,25 +197,33 @@ pub fn gather<'a>(
     }
 }
 
-/// What is found at some points; `None` where it is cancelled.
+/// What is found in so many rounds of checks; `None` where it is cancelled.
 fn sampled(
+    growth: &mut Growth,
     gatherer: &mut Gatherer,
     function: &IrradianceFunction,
-    checks: Vec<Check>,
+    rounds: u32,
 ) -> Result<Option<Sample>, BackendError> {
-    let places: Vec<Place> = checks.iter().map(|check| check.place).collect();
-    let Some(lights) = gatherer.gather(&places)? else {
-        return Ok(None);
-    };
-    // Which cost several times what gathering does, and find much the same everywhere.
-    let again: Vec<usize> = (0..places.len()).step_by(LOOK_EVERY).collect();
-    let places: Vec<Place> = again.iter().map(|&k| places[k]).collect();
-    let looks = gatherer.look_again(function, &places);
-    Ok(looks.map(|looks| Sample {
-        checks,
-        lights,
-        looks: again.into_iter().zip(looks).collect(),
-    }))
+    let mut sample = Sample::default();
+    for _ in 0..rounds {
+        let checks = growth.checks();
+        let places: Vec<Place> = checks.iter().map(|check| check.place).collect();
+        let Some(lights) = gatherer.gather(&places)? else {
+            return Ok(None);
+        };
+        // Which cost several times what gathering does, and find much the same everywhere.
+        let again: Vec<usize> = (0..places.len()).step_by(LOOK_EVERY).collect();
+        let places: Vec<Place> = again.iter().map(|&k| places[k]).collect();
+        let Some(looks) = gatherer.look_again(function, &places) else {
+            return Ok(None);
+        };
+        sample = sample.and(Sample {
+            checks,
+            lights,
+            looks: again.into_iter().zip(looks).collect(),
+        });
+    }
+    Ok(Some(sample))
 }
 
 /// The mesh to begin with.
