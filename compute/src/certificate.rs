@@ -24,12 +24,14 @@ mod culprit;
 mod inside;
 mod openings;
 
+use std::ops::Range;
+
 use scene::{PatchId, Scene};
 use serde::Serialize;
 
 use crate::row_cache::RowCache;
 use crate::rows::UNITS_PER_ONE;
-use crate::sources::SourceId;
+use crate::sources::{SourceId, Sources};
 use culprit::{Loss, culprit};
 
 pub use inside::inside;
@@ -132,14 +134,37 @@ pub struct Finding {
     pub worst_share: f64,
 }
 
-/// What the rows drawn so far certify, together with the solution's `imbalance` and last `residual`. `inside` is what
-/// [`inside`] tells.
-pub fn certify(
-    rows: &RowCache,
-    inside: Option<&[PatchId]>,
-    imbalance: Option<f64>,
-    residual: Option<f64>,
-) -> Certificate {
+/// What is known of a solution, beside its rows.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Known<'k> {
+    /// What [`inside`] tells.
+    pub inside: Option<&'k [PatchId]>,
+    /// See [`Energy::imbalance`](crate::energy::Energy::imbalance).
+    pub imbalance: Option<f64>,
+    /// The last one of its iteration, relative.
+    pub residual: Option<f64>,
+    /// Whether the error of its function was estimated: that then stands for what is not reciprocal and not balanced.
+    pub has_estimate: bool,
+    /// What receivers are made of, where patches are finer than those that the rows are of.
+    pub patches: Option<&'k Sources<'k>>,
+}
+
+impl Known<'_> {
+    /// The patches that a receiver is made of.
+    pub fn patches_in(&self, receiver: usize) -> Range<u32> {
+        let receiver = receiver as u32;
+        match self.patches {
+            Some(patches) => patches.patches_in(SourceId(receiver)),
+            None => receiver..receiver + 1,
+        }
+    }
+}
+
+/// What the rows drawn so far certify.
+pub fn certify(rows: &RowCache, known: Known) -> Certificate {
+    let Known {
+        inside, imbalance, ..
+    } = known;
     let scene = rows.sources().patches();
     let areas = scene.patch_areas();
     let exchange = Exchange::new(rows, &areas);
@@ -149,9 +174,12 @@ pub fn certify(
     let is_seen = |j: usize| exchange.is_seen[j];
     let hidden = (0..areas.len())
         .filter(|&j| !rows.unlit()[j] && !is_seen(j))
-        .count() as u32;
+        .collect::<Vec<usize>>();
+    let patch_count = |receivers: &mut dyn Iterator<Item = usize>| -> u32 {
+        receivers.map(|j| known.patches_in(j).len() as u32).sum()
+    };
     // Where nobody sees anybody, as around a solid, there is no exchange to be left out of.
-    let leave_out_hidden = all_drawn && hidden < lit;
+    let leave_out_hidden = all_drawn && (hidden.len() as u32) < lit;
     let is_inside = |j: usize| {
         let patch = PatchId(j as u32);
         inside.is_some_and(|inside| inside.binary_search(&patch).is_ok())
@@ -185,22 +213,22 @@ pub fn certify(
         Some(Finding {
             share,
             culprit: culprit(rows, loss, &worst),
-            worst_patch: patch as u32,
+            worst_patch: known.patches_in(patch).start,
             worst_object: object_name(scene, patch),
             worst_share,
         })
     };
     let mut certificate = Certificate {
         rows_drawn,
-        hidden_patches: all_drawn.then_some(hidden),
-        inside_patches: inside.map(|inside| inside.len() as u32),
+        hidden_patches: all_drawn.then(|| patch_count(&mut hidden.into_iter())),
+        inside_patches: inside
+            .map(|inside| patch_count(&mut inside.iter().map(|patch| patch.index()))),
         open_share,
         meant_open_share: meant.and(open_share.zip(unmeant_share).map(|(all, un)| all - un)),
         back_face_share,
         looks_closed,
         closure_error: closure_error(rows),
-        reciprocity: (all_drawn && lit > 0)
-            .then(|| exchange.reciprocity(rows, inside.unwrap_or_default())),
+        reciprocity: (all_drawn && lit > 0).then(|| exchange.reciprocity(rows, &known)),
         opening: if looks_closed == Some(true) {
             find(Loss::Opening, unmeant, unmeant_share)
         } else {
@@ -210,7 +238,7 @@ pub fn certify(
         imbalance,
         violations: Vec::new(),
     };
-    certificate.violations = certificate.violations(lit, residual);
+    certificate.violations = certificate.violations(lit, &known);
     certificate
 }
 
@@ -281,7 +309,8 @@ impl Exchange {
         exchange
     }
 
-    fn reciprocity(&self, rows: &RowCache, inside: &[PatchId]) -> Reciprocity {
+    fn reciprocity(&self, rows: &RowCache, known: &Known) -> Reciprocity {
+        let inside = known.inside.unwrap_or_default();
         let sources = rows.sources();
         let is_unlit = rows.unlit();
         // Unlit patches, whose rows nobody knows, see no lit ones but black ones.
@@ -312,18 +341,18 @@ impl Exchange {
                 (worst_source, worst) = (source, difference);
             }
         }
-        let worst_patch = sources.patches_in(SourceId(worst_source)).start;
+        let worst_receiver = sources.patches_in(SourceId(worst_source)).start as usize;
         Reciprocity {
             rms: (squares / f64::max(whole, f64::MIN_POSITIVE)).sqrt(),
-            worst_patch,
-            worst_object: object_name(sources.patches(), worst_patch as usize),
+            worst_patch: known.patches_in(worst_receiver).start,
+            worst_object: object_name(sources.patches(), worst_receiver),
             worst,
         }
     }
 }
 
 impl Certificate {
-    fn violations(&self, patches: u32, residual: Option<f64>) -> Vec<String> {
+    fn violations(&self, patches: u32, known: &Known) -> Vec<String> {
         let mut violations = Vec::new();
         if self.rows_drawn < patches {
             violations.push(format!(
@@ -356,9 +385,12 @@ impl Certificate {
                 percent(BACK_FACE_SHARE_TOLERANCE)
             ));
         }
+        if known.has_estimate {
+            return violations;
+        }
         // Where no iteration is done, form factors are all that is asked for.
         if let Some(imbalance) = self.imbalance
-            && let Some(residual) = residual
+            && let Some(residual) = known.residual
             && imbalance.abs() > IMBALANCE_TOLERANCE
         {
             violations.push(format!(

@@ -28,11 +28,16 @@ use crate::row_file::{Identity, RowFiles, StoredRows};
 use crate::rows::{BackendError, RowSource};
 use crate::settings::{
     BackendChoice, ClosedForms, Drawing, FormFactorSettings, MOST_ON_ONE_LEVEL, SolutionSettings,
-    SourceArea,
+    SourceArea, Target,
 };
 use crate::sources::Sources;
 use crate::two_levels;
 use crate::unlit;
+
+/// Sources from which a function is gathered are at most this share of the scene's area, times the error that is asked of it, within
+/// these bounds: what they bring falls with their size.
+const FUNCTION_SOURCE: f64 = 0.05;
+const FUNCTION_SOURCES: [f64; 2] = [1.0 / 65536.0, 1.0 / 512.0];
 
 /// The form factors of a scene, drawn as they are asked for.
 #[derive(Clone, Debug)]
@@ -187,6 +192,11 @@ impl<'a> FormFactors<'a> {
         self.settings
     }
 
+    /// What kept rows may take, bytes.
+    pub fn memory_bytes(&self) -> u64 {
+        self.drawing.memory_bytes
+    }
+
     /// Among what the scene is solved, where sources are to be so coarse.
     pub fn levels(&self, source_area: SourceArea) -> Levels {
         match source_area {
@@ -202,6 +212,22 @@ impl<'a> FormFactors<'a> {
             }
             SourceArea::Auto if self.scene.patch_count() > MOST_ON_ONE_LEVEL => Levels::Automatic,
             SourceArea::Auto | SourceArea::Patches => Levels::Patches,
+        }
+    }
+
+    /// Among what the scene is solved where a function is gathered in the end, see [`crate::function`].
+    pub fn levels_of_function(&self, source_area: SourceArea, target: Target) -> Levels {
+        if source_area != SourceArea::Auto {
+            return self.levels(source_area);
+        }
+        let [least, most] = FUNCTION_SOURCES;
+        let share = (FUNCTION_SOURCE * target.strictest()).clamp(least, most);
+        let area = share * self.scene.area();
+        let count = two_levels::sources(self.scene, area).patch_count();
+        if count <= self.scene.patch_count() / 2 {
+            Levels::Sources(area)
+        } else {
+            Levels::Patches
         }
     }
 

@@ -295,11 +295,15 @@ impl Report {
             let error = sources.estimated_error.map_or_else(String::new, |error| {
                 format!(", which brings an error of about {:.2} %", 100.0 * error)
             });
+            let gathered = sources.gathered_share.map_or_else(String::new, |share| {
+                format!(
+                    "; {:.1} % of the patches have gathered from them",
+                    100.0 * share
+                )
+            });
             lines.push(format!(
-                "sources        {} of at most {:.3} m^2{error}; {:.1} % of the patches have gathered from them",
-                sources.count,
-                sources.max_area,
-                100.0 * sources.gathered_share,
+                "sources        {} of at most {:.3} m^2{error}{gathered}",
+                sources.count, sources.max_area,
             ));
         }
         lines.push(format!("certificate    {}", self.certificate.summary()));

@@ -343,6 +343,19 @@ pub struct Target {
     pub most_vertices: u32,
 }
 
+/// About as much as an error of the power, what is visible is in rooms with shadows.
+const VISIBLE_OVER_POWER: f64 = 2.5;
+
+impl Target {
+    /// The power error that is asked for, or that goes with the visible error where that asks for more; 1 where nothing is
+    /// asked for.
+    pub fn strictest(&self) -> f64 {
+        let by_visible = self.visible.map(|visible| visible / VISIBLE_OVER_POWER);
+        let all = [self.power, by_visible, Some(1.0)];
+        all.into_iter().flatten().fold(1.0, f64::min)
+    }
+}
+
 /// How a scene is solved, and how far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolveSettings {

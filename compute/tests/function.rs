@@ -150,7 +150,8 @@ fn light_does_not_pass_below_a_wall_by_interpolation() {
     }
 }
 
-/// A function belongs to the irradiances that it was gathered from: it stays while these do, and goes with them.
+/// A function belongs to the irradiances that it was gathered from: it stays while these do, and goes with them. They are what the
+/// function says that patches receive, so that going on without it leads to where patches alone lead, to within the tolerance.
 #[test]
 fn a_function_stays_with_its_solution() {
     let folder = folder();
@@ -163,7 +164,7 @@ fn a_function_stays_with_its_solution() {
     let common = ["32", "--points", "centroid"];
     solve(folder.path(), &[&["a.rad", "b.rad"], &common[..]].concat());
     assert_eq!(load(folder.path(), "b.rad"), with);
-    // Another iteration, and another one from there: the same bits as if there had been no function.
+    // Another iteration, and another one from there.
     let more = ["--tolerance", "1e-7"];
     solve(
         folder.path(),
@@ -175,10 +176,13 @@ fn a_function_stays_with_its_solution() {
     );
     let (on, whole) = (load(folder.path(), "b.rad"), load(folder.path(), "c.rad"));
     assert_eq!(on.function, None);
-    assert_eq!(
-        common::bits(&on.irradiance),
-        common::bits(&whole.irradiance)
-    );
+    for (on, whole) in on.irradiance.iter().zip(&whole.irradiance) {
+        // Half of the light of this room is reflected at most, so that what is left is at most what changed last.
+        assert!(
+            on.distance(*whole) <= 1e-5 * whole.max_element(),
+            "{on} {whole}"
+        );
+    }
 }
 
 #[test]

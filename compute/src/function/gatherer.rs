@@ -1,13 +1,15 @@
 //! Who gathers: what places receive from solved sources.
 
-use std::sync::Arc;
+use std::ops::Range;
 
 use glam::DVec3;
+use rayon::prelude::*;
 use scene::function::IrradianceFunction;
-use scene::{Rgb, Solution};
-use visibility::Drawable;
+use scene::{Rgb, Scene};
 
-use super::second_look::{Reflected, SecondLook};
+use super::Receives;
+use super::lit_mesh::Means;
+use super::second_look::{Reflected, SecondLook, Within};
 use super::vertices::{Place, Places};
 use crate::FormFactors;
 use crate::backend::Backend;
@@ -27,20 +29,20 @@ const FEWEST_PIXELS: u32 = 16;
 /// What a place receives, W/m^2.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Light {
-    /// Irradiance.
-    pub irradiance: DVec3,
-    /// The part of it that comes from emitters without reflection.
+    /// From emitters without reflection.
     pub direct: DVec3,
     /// The rest, if sources are one value each.
     pub by_sources: DVec3,
+    /// How much more of reflected light it is if they are not.
+    pub correction: DVec3,
     /// The share of what it sees, by form factors, that is fronts of surfaces and no opening.
     pub surfaces: f64,
 }
 
 impl Light {
-    /// Adds to what is received of reflected light, W/m^2. It may be less than nothing, but what is received is not.
-    pub fn add_reflected(&mut self, more: DVec3) {
-        self.irradiance = (self.irradiance + more).max(self.direct);
+    /// All that it receives. A correction is a small difference, and may be more than all that a dark place receives.
+    pub fn irradiance(&self) -> DVec3 {
+        (self.direct + self.by_sources + self.correction).max(self.direct)
     }
 }
 
@@ -53,50 +55,73 @@ pub(super) struct Look {
     pub by_function: DVec3,
 }
 
+/// Places whose light changes with what sources send out.
+#[derive(Default)]
+struct Kept {
+    places: Vec<Place>,
+    lights: Vec<Light>,
+    /// As receivers.
+    receivers: Vec<u32>,
+    /// The rows of the first ones, one after the other, and where each ends. Those of the others do not fit, and are drawn
+    /// again.
+    entries: Vec<Entry>,
+    ends: Vec<usize>,
+    /// Whether a row did not fit.
+    is_full: bool,
+}
+
 /// What places on surfaces receive from solved sources.
 pub(super) struct Gatherer<'a, 'c> {
     places: Places<'a>,
     /// How many of the places have gathered.
     done: u32,
     backend: Backend<'a>,
-    /// Of the sources.
-    drawable: Arc<Drawable<'a>>,
+    sources: Sources<'a>,
     settings: FormFactorSettings,
+    problem: Problem,
     /// One per source, W/m^2.
     radiosity: Vec<Rgb>,
-    emission: Vec<Rgb>,
-    /// What the sources are like within, once they are refined.
-    within: Option<IrradianceFunction>,
-    /// The share of reflected light that is added for what that comes to on the whole.
-    ambient: DVec3,
+    kept: Kept,
+    most_kept_bytes: u64,
+    /// Once they are refined.
+    within: Option<Within>,
     cancel: &'c CancelToken,
 }
 
 impl<'a, 'c> Gatherer<'a, 'c> {
-    /// What a solution of the patches that `sources` are made of sends out.
+    /// From sources that receive this, W/m^2, one per source.
     pub fn new(
         form_factors: &FormFactors<'a>,
-        sources: Sources<'a>,
-        solution: &Solution,
+        sources: &Sources<'a>,
+        irradiance: &[Rgb],
         cancel: &'c CancelToken,
     ) -> Result<Self, BackendError> {
         let settings = form_factors.settings();
         let places = Places::new(sources.patches(), sources.drawable(), settings.seed);
         let problem = Problem::new(sources.scene());
-        let irradiance = sources.restricted(&solution.irradiance);
-        let radiosity = irradiance.iter().enumerate();
         Ok(Self {
-            radiosity: radiosity.map(|(s, &h)| problem.radiosity(s, h)).collect(),
-            emission: problem.emission,
-            drawable: Arc::clone(sources.drawable()),
+            radiosity: radiosities(&problem, irradiance),
+            problem,
+            backend: form_factors.at(Box::new(places.clone()), sources.clone())?,
+            sources: sources.clone(),
             settings,
-            backend: form_factors.at(Box::new(places.clone()), sources)?,
             places,
             done: 0,
+            kept: Kept::default(),
+            most_kept_bytes: form_factors.memory_bytes(),
             within: None,
-            ambient: DVec3::ZERO,
             cancel,
         })
+    }
+
+    /// The scene whose patches the sources are.
+    pub fn sources(&self) -> &'a Scene {
+        self.sources.scene()
+    }
+
+    /// The value of its source for each patch.
+    pub fn prolonged(&self, values: &[Rgb]) -> Vec<Rgb> {
+        self.sources.prolonged(values)
     }
 
     /// Whether sources are more than one value each.
@@ -106,76 +131,168 @@ impl<'a, 'c> Gatherer<'a, 'c> {
 
     /// What some more places receive; `None` where it is cancelled.
     pub fn gather(&mut self, places: &[Place]) -> Result<Option<Vec<Light>>, BackendError> {
-        self.places.extend(places.iter().copied());
-        let end = self.places.count();
-        let mut lights = Vec::with_capacity(places.len());
-        while self.done < end {
-            if self.cancel.is_cancelled() {
-                return Ok(None);
-            }
-            let batch = self.backend.source.preferred_batch().max(1);
-            let next = end.min(self.done.saturating_add(batch));
-            let rows = self.backend.source.draw_rows(self.done..next)?;
-            self.done = next;
-            lights.extend((0..rows.receivers().len()).map(|k| {
-                let irradiance = sum(rows.row(k), &self.radiosity);
-                let direct = sum(rows.row(k), &self.emission);
-                Light {
-                    irradiance,
-                    direct,
-                    by_sources: irradiance - direct,
-                    surfaces: rows
-                        .row(k)
-                        .iter()
-                        .map(|entry| f64::from(entry.units))
-                        .sum::<f64>()
-                        / f64::from(UNITS_PER_ONE),
-                }
-            }));
+        self.gather_at(places, false)
+    }
+
+    /// The same of places that are kept.
+    pub fn gather_and_keep(
+        &mut self,
+        places: &[Place],
+    ) -> Result<Option<Vec<Light>>, BackendError> {
+        let lights = self.gather_at(places, true)?;
+        if let Some(lights) = &lights {
+            self.kept.places.extend_from_slice(places);
+            self.kept.lights.extend_from_slice(lights);
         }
-        if let Some(within) = &self.within {
-            let Some(looks) = self.look(within, places, self.coarser()) else {
-                return Ok(None);
-            };
-            for (light, [by_sources, by_function]) in lights.iter_mut().zip(looks) {
-                let ambient = self.ambient * light.by_sources;
-                light.add_reflected(by_function - by_sources + ambient);
+        Ok(lights)
+    }
+
+    fn gather_at(
+        &mut self,
+        places: &[Place],
+        are_kept: bool,
+    ) -> Result<Option<Vec<Light>>, BackendError> {
+        self.places.extend(places.iter().copied());
+        let (from, end) = (self.done, self.places.count());
+        let mut lights = Vec::with_capacity(places.len());
+        let (emission, radiosity) = (&self.problem.emission, &self.radiosity);
+        let kept = &mut self.kept;
+        let is_done = draw(&mut self.backend, from..end, self.cancel, |row| {
+            let direct = sum(row, emission);
+            let units: f64 = row.iter().map(|entry| f64::from(entry.units)).sum();
+            lights.push(Light {
+                direct,
+                by_sources: sum(row, radiosity) - direct,
+                correction: DVec3::ZERO,
+                surfaces: units / f64::from(UNITS_PER_ONE),
+            });
+            if are_kept {
+                kept.keep(row, self.most_kept_bytes);
             }
+        })?;
+        if !is_done {
+            return Ok(None);
+        }
+        self.done = end;
+        if are_kept {
+            self.kept.receivers.extend(from..end);
+        }
+        let Some(corrections) = self.corrections(places) else {
+            return Ok(None);
+        };
+        for (light, correction) in lights.iter_mut().zip(corrections) {
+            light.correction = correction;
         }
         Ok(Some(lights))
     }
 
-    /// What places see when they look a second time; `None` where it is cancelled.
-    pub fn look_again(&self, function: &IrradianceFunction, places: &[Place]) -> Option<Vec<Look>> {
+    /// What kept places receive where sources receive this, W/m^2, one per source; `None` where it is cancelled.
+    pub fn gather_again(&mut self, irradiance: &[Rgb]) -> Result<Option<&[Light]>, BackendError> {
+        self.radiosity = radiosities(&self.problem, irradiance);
+        let radiosity = &self.radiosity;
+        let Kept {
+            lights,
+            receivers,
+            entries,
+            ends,
+            ..
+        } = &mut self.kept;
+        let (first, others) = lights.split_at_mut(ends.len());
+        first.par_iter_mut().enumerate().for_each(|(k, light)| {
+            let start = if k == 0 { 0 } else { ends[k - 1] };
+            light.by_sources = sum(&entries[start..ends[k]], radiosity) - light.direct;
+        });
+        let mut others = others.iter_mut();
+        for run in receivers[ends.len()..].chunk_by(|a, b| a + 1 == *b) {
+            let is_done = draw(
+                &mut self.backend,
+                run[0]..run[0] + run.len() as u32,
+                self.cancel,
+                |row| {
+                    if let Some(light) = others.next() {
+                        light.by_sources = sum(row, radiosity) - light.direct;
+                    }
+                },
+            )?;
+            if !is_done {
+                return Ok(None);
+            }
+        }
+        Ok(Some(&self.kept.lights))
+    }
+
+    /// What places see when they look a second time, by a function of which sources have these means; `None` where it is cancelled.
+    pub fn look_again(
+        &self,
+        function: IrradianceFunction,
+        means: &[Means],
+        places: &[Place],
+    ) -> Option<Vec<Look>> {
         let resolution = self.settings.resolution;
-        let now = self.look(function, places, resolution)?;
+        let reflected = self.reflected();
+        let now = Within {
+            means: self.means(&reflected, means),
+            function,
+        };
+        let now = self.look(&now, &reflected, places, resolution)?;
         let before = match &self.within {
-            Some(within) => self.look(within, places, resolution)?,
-            None => now.iter().map(|&[by_sources, _]| [by_sources; 2]).collect(),
+            Some(within) => self.look(within, &reflected, places, resolution)?,
+            None => vec![Reflected::default(); places.len()],
         };
         let looks = now.into_iter().zip(before);
-        let look = |([by_sources, now], [_, before]): (Reflected, Reflected)| Look {
-            by_sources,
-            by_function: now - before - self.ambient * by_sources,
+        let look = |(now, before): (Reflected, Reflected)| Look {
+            by_sources: now.by_sources,
+            by_function: now.within - before.within,
         };
         Some(looks.map(look).collect())
     }
 
-    /// From now on sources are within what this function is; tells how much more these places receive that have gathered
-    /// already, W/m^2. `None` where it is cancelled.
-    pub fn refine(&mut self, function: IrradianceFunction, places: &[Place]) -> Option<Vec<DVec3>> {
-        let looks = self.look(&function, places, self.coarser())?.into_iter();
-        self.within = Some(function);
-        Some(
-            looks
-                .map(|[by_sources, by_function]| by_function - by_sources)
-                .collect(),
-        )
+    /// From now on sources are within what this function is, of which they have these means; tells what kept places receive.
+    /// `None` where it is cancelled.
+    pub fn refine(&mut self, function: IrradianceFunction, means: &[Means]) -> Option<&[Light]> {
+        self.within = Some(Within {
+            means: self.means(&self.reflected(), means),
+            function,
+        });
+        let corrections = self.corrections(&self.kept.places)?;
+        for (light, correction) in self.kept.lights.iter_mut().zip(corrections) {
+            light.correction = correction;
+        }
+        Some(&self.kept.lights)
     }
 
-    /// From now on this share of all reflected light is added to it.
-    pub fn add_ambient(&mut self, share: DVec3) {
-        self.ambient = share;
+    /// How much more light places receive that sources are not one value each, W/m^2; `None` where it is cancelled.
+    fn corrections(&self, places: &[Place]) -> Option<Vec<DVec3>> {
+        let Some(within) = &self.within else {
+            return Some(vec![DVec3::ZERO; places.len()]);
+        };
+        let looks = self.look(within, &self.reflected(), places, self.coarser())?;
+        Some(looks.into_iter().map(|look| look.within).collect())
+    }
+
+    /// What sources reflect on the mean by a function, W/m^2, one per source, less by what that would be if it were known better
+    /// and they sent it out.
+    fn means(&self, reflected: &[Rgb], means: &[Means]) -> Vec<Rgb> {
+        let rho = self.problem.reflectance.iter().map(|rho| rho.as_dvec3());
+        let sources = means.iter().zip(reflected).zip(rho);
+        let mean = |((means, &reflected), rho): ((&Means, &Rgb), DVec3)| match *means {
+            Means { linear: None, .. } => reflected,
+            Means {
+                linear: Some(linear),
+                receives: Receives::OnTheMean(mean),
+            } => (reflected.as_dvec3() + rho * (linear - mean)).as_vec3(),
+            Means {
+                linear: Some(linear),
+                ..
+            } => (rho * linear).as_vec3(),
+        };
+        sources.map(mean).collect()
+    }
+
+    /// What sources reflect, W/m^2, one per source.
+    fn reflected(&self) -> Vec<Rgb> {
+        let radiosity = self.radiosity.iter().zip(&self.problem.emission);
+        radiosity.map(|(&b, &e)| b - e).collect()
     }
 
     /// The resolution that does for differences that share their pixels: half of it, but not below [`FEWEST_PIXELS`].
@@ -188,20 +305,19 @@ impl<'a, 'c> Gatherer<'a, 'c> {
     /// What places receive of reflected light, see [`SecondLook`]; `None` where it is cancelled.
     fn look(
         &self,
-        function: &IrradianceFunction,
+        within: &Within,
+        reflected: &[Rgb],
         places: &[Place],
         resolution: u32,
     ) -> Option<Vec<Reflected>> {
-        let radiosity = self.radiosity.iter().zip(&self.emission);
-        let reflected: Vec<Rgb> = radiosity.map(|(&b, &e)| b - e).collect();
         let FormFactorSettings { maps, seed, .. } = self.settings;
         let look = SecondLook {
-            drawable: &self.drawable,
+            drawable: self.sources.drawable(),
             resolution,
             maps,
             seed,
-            reflected: &reflected,
-            function,
+            reflected,
+            within,
         };
         let mut all = Vec::with_capacity(places.len());
         for places in places.chunks(BATCH) {
@@ -212,6 +328,47 @@ impl<'a, 'c> Gatherer<'a, 'c> {
         }
         Some(all)
     }
+}
+
+impl Kept {
+    /// Keeps one more row, unless all would take more than so many bytes.
+    fn keep(&mut self, row: &[Entry], most_bytes: u64) {
+        let bytes = (self.entries.len() + row.len()) * size_of::<Entry>();
+        self.is_full |= bytes as u64 > most_bytes;
+        if !self.is_full {
+            self.entries.extend_from_slice(row);
+            self.ends.push(self.entries.len());
+        }
+    }
+}
+
+/// Hands out the rows of these receivers, one after the other; false where it is cancelled.
+fn draw(
+    backend: &mut Backend,
+    receivers: Range<u32>,
+    cancel: &CancelToken,
+    mut take: impl FnMut(&[Entry]),
+) -> Result<bool, BackendError> {
+    let batch = backend.source.preferred_batch().max(1);
+    let mut next = receivers.start;
+    while next < receivers.end {
+        if cancel.is_cancelled() {
+            return Ok(false);
+        }
+        let end = receivers.end.min(next.saturating_add(batch));
+        let rows = backend.source.draw_rows(next..end)?;
+        for k in 0..rows.receivers().len() {
+            take(rows.row(k));
+        }
+        next = end;
+    }
+    Ok(true)
+}
+
+/// What sources send out that receive this, W/m^2, one per source.
+fn radiosities(problem: &Problem, irradiance: &[Rgb]) -> Vec<Rgb> {
+    let irradiance = irradiance.iter().enumerate();
+    irradiance.map(|(s, &h)| problem.radiosity(s, h)).collect()
 }
 
 /// The sum over a row of the form factors times some exitances, one per source, W/m^2.
@@ -229,13 +386,12 @@ mod tests {
     /// A correction is a small difference of sums of pixels, and may be more than all that a dark place receives.
     #[test]
     fn no_place_receives_less_than_its_direct_light() {
-        let mut light = Light {
-            irradiance: DVec3::splat(0.25),
+        let light = Light {
             direct: DVec3::splat(0.125),
             by_sources: DVec3::splat(0.125),
+            correction: DVec3::new(0.5, -0.0625, -0.5),
             surfaces: 1.0,
         };
-        light.add_reflected(DVec3::new(0.5, -0.0625, -0.5));
-        assert_eq!(light.irradiance, DVec3::new(0.75, 0.1875, 0.125));
+        assert_eq!(light.irradiance(), DVec3::new(0.75, 0.1875, 0.125));
     }
 }

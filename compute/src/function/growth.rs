@@ -4,6 +4,7 @@ use std::f64::consts::SQRT_2;
 
 use glam::DVec3;
 use scene::function::NodeId;
+use scene::{Rgb, SurfaceId};
 
 use super::checks::{Check, Part, Sample};
 use super::gatherer::Light;
@@ -141,7 +142,7 @@ impl<'s> Growth<'s> {
         let (mut in_leaves, mut in_patches) = ([0.0; 2], [0.0; 2]);
         self.found.clear();
         for (check, light) in checks.iter().zip(lights) {
-            let gathered = self.lit.reflectance(check) * light.irradiance;
+            let gathered = self.lit.reflectance(check) * light.irradiance();
             let weighed = |shown: DVec3| size.weighed(shown - gathered, gathered);
             match check.part {
                 Part::Leaf(leaf) => {
@@ -221,7 +222,7 @@ impl<'s> Growth<'s> {
         let ambient = ambient.share(self.lit.absorbing_area());
         let mut sums = [[0.0; 2]; 2];
         for (area, rho, light, look) in seen() {
-            let gathered = rho * light.irradiance;
+            let gathered = rho * light.irradiance();
             // Both looks have their own pixels.
             let by_pixels = (look.by_sources - light.by_sources) / SQRT_2;
             let by_sources = look.by_function + ambient * light.by_sources;
@@ -273,13 +274,21 @@ impl<'s> Growth<'s> {
         !is_below(error.sources, share)
     }
 
-    /// Adds to what vertices receive, one value per vertex, W/m^2, and tells the share of all reflected light that is added for what
-    /// this comes to on the whole; the function is checked again.
-    pub fn add(&mut self, more: &[DVec3]) -> DVec3 {
+    /// Gives all vertices another light.
+    pub fn renew(&mut self, lights: &[Light]) {
+        self.lit.renew(lights);
+    }
+
+    /// Gives patches that have no vertices theirs.
+    pub fn light_patches(&mut self, irradiance: &[Rgb], is_lit: &dyn Fn(SurfaceId) -> bool) {
+        self.lit.light_patches(irradiance, is_lit);
+    }
+
+    /// Forgets what checks have said of other light.
+    pub fn start_again(&mut self) {
         self.least = ([f64::INFINITY; 2], 0);
         self.since = 0;
         self.calibration = None;
-        self.lit.add(more)
     }
 
     /// Bisects where most is likely to be missing, or was found to be. False where nothing can be bisected.
@@ -365,7 +374,7 @@ mod tests {
                 visible,
                 most_vertices: 100,
             };
-            let lit = LitMesh::new(&scene, mesh.clone(), Vec::new());
+            let lit = LitMesh::new(&scene, mesh.clone());
             let mut growth = Growth::new(lit, target);
             let none = Errors::default();
             let error = ErrorByCause::new(none, none, Errors::splat(0.03), none);

@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use rayon::prelude::*;
 use scene::function::{IrradianceFunction, NodeId, Refinement, VertexId};
-use scene::{PatchId, Scene, SceneError, Surface};
+use scene::{PatchId, Rgb, Scene, SceneError, Surface, SurfaceId, bisection};
 
-use super::ErrorByCause;
 use super::checks::{self, Candidate, Check, Part};
 use super::direct::{self, Emitters, Spots};
 use super::gatherer::Light;
 use super::reflectances;
+use super::{ErrorByCause, Receives};
 
 /// The fewest points at which a function is checked at a time, and their number as a share of the leaves beyond that.
 const FEWEST_CHECKS: usize = 256;
@@ -26,6 +26,9 @@ const FLAT_MISSES: f64 = 0.1;
 
 /// The share of a spot that is taken to be there though a triangle's corners see nothing of its lamp.
 const LEAST_VISIBLE: f64 = 0.1;
+
+/// The fewest leaves that tell the mean over a source better than its own row does.
+const FEWEST_LEAVES: u32 = 4;
 
 /// The share of the mean radiosity below which differences of radiosity count for less and less.
 const FLOOR: f64 = 0.05;
@@ -57,11 +60,11 @@ pub(super) struct LitMesh<'s> {
 }
 
 impl<'s> LitMesh<'s> {
-    /// A mesh whose vertices have no light as yet, and what has no vertices.
-    pub fn new(scene: &'s Scene, mesh: Refinement, flat: Vec<FlatPatch>) -> Self {
+    /// A mesh whose vertices have no light as yet.
+    pub fn new(scene: &'s Scene, mesh: Refinement) -> Self {
         Self {
             scene,
-            flat,
+            flat: Vec::new(),
             mesh,
             reflectance: reflectances(scene),
             lights: Vec::new(),
@@ -96,22 +99,85 @@ impl<'s> LitMesh<'s> {
         self.find_spots();
     }
 
-    /// Adds to what vertices receive of reflected light, one value per vertex, W/m^2, and what that brings on the whole, whose share of
-    /// all reflected light it tells.
-    pub fn add(&mut self, more: &[DVec3]) -> DVec3 {
-        let mut ambient = Ambient::default();
+    /// Gives all vertices another light.
+    pub fn renew(&mut self, lights: &[Light]) {
+        self.lights.copy_from_slice(lights);
+    }
+
+    /// Gives patches that have no vertices their light: what they receive, W/m^2, one per patch. `is_lit` tells which surfaces
+    /// light can reach.
+    pub fn light_patches(&mut self, irradiance: &[Rgb], is_lit: &dyn Fn(SurfaceId) -> bool) {
+        let trees = (0..).map(SurfaceId).zip(self.scene.mesh().trees());
+        let flat =
+            trees.filter(|&(surface, _)| !self.mesh.has_vertices(surface) && is_lit(surface));
+        let patches = flat.flat_map(|(surface, tree)| {
+            let rho = self.reflectance[surface.index()];
+            let area = self.scene.surface(surface).area() / f64::from(1_u32 << tree.depth);
+            tree.patches().map(PatchId).map(move |patch| FlatPatch {
+                patch,
+                area,
+                radiosity: rho * irradiance[patch.index()].as_dvec3(),
+            })
+        });
+        self.flat = patches
+            .filter(|patch| patch.radiosity != DVec3::ZERO)
+            .collect();
+    }
+
+    /// What sources receive by the function, one per source: their mean, or where they have so few vertices that their own rows tell
+    /// as much, what is not in these. `sources` is the scene whose patches they are.
+    ///
+    /// What is linear misses where light is brightest, so that all would be too dark. Of a triangle's quarters it misses a quarter of
+    /// what it misses of the triangle if second derivatives are constant, so that three quarters of it are known: the
+    /// difference of both, and a third of that is what is missed yet (Romberg, "Vereinfachte numerische Integration", 1955).
+    pub fn means(&self, sources: &Scene) -> Vec<Means> {
+        let mut parts = vec![Parts::default(); sources.patch_count() as usize];
+        let missed = self.missed_of_means();
         for leaf in self.mesh.leaves() {
-            let rho = self.reflectance[self.mesh.surface(leaf).index()];
-            for vertex in self.mesh.corners(leaf).map(|vertex| vertex.0 as usize) {
-                let area = self.mesh.area(leaf) / 3.0;
-                ambient.add(area, rho, more[vertex], self.lights[vertex].by_sources);
+            let tree = sources.mesh().tree(self.mesh.surface(leaf));
+            let (depth, code) = self.mesh.bisections(leaf);
+            let lights = self.mesh.corners(leaf);
+            let lights = lights.map(|vertex| &self.lights[vertex.0 as usize]);
+            let area = self.mesh.area(leaf);
+            if let Some(deeper) = depth.checked_sub(tree.depth) {
+                let source = tree.first_patch.0 + (code >> deeper);
+                let part = &mut parts[source as usize];
+                part.add(area, lights, DVec3::splat(1.0 / 3.0));
+                part.missed += area * missed[leaf.0 as usize];
+                continue;
+            }
+            let deeper = tree.depth - depth;
+            for within in 0..1 << deeper {
+                let source = tree.first_patch.0 + (code << deeper | within);
+                let [a, b, c] = bisection::leaf_corners(deeper, within);
+                parts[source as usize].add(area, lights, (a + b + c) / 3.0);
             }
         }
-        let share = ambient.share(self.absorbing_area());
-        for (light, &more) in self.lights.iter_mut().zip(more) {
-            light.add_reflected(more + share * light.by_sources);
+        parts.into_iter().map(Parts::means).collect()
+    }
+
+    /// What leaves are likely to miss of their means, W/m^2, one per triangle there is or was.
+    fn missed_of_means(&self) -> Vec<DVec3> {
+        let mean = |node: NodeId| -> DVec3 {
+            let corners = self.mesh.corners(node).into_iter();
+            let irradiance = corners.map(|vertex| self.lights[vertex.0 as usize].irradiance());
+            irradiance.sum::<DVec3>() / 3.0
+        };
+        let nodes = self.mesh.nodes();
+        let mut missed = vec![DVec3::ZERO; nodes.len()];
+        for node in nodes {
+            let halves = self.mesh.halves(node);
+            let quarters = halves.map(|halves| halves.map(|half| self.mesh.halves(half)));
+            let Some([Some([a, b]), Some([c, d])]) = quarters else {
+                continue;
+            };
+            let quarters = [a, b, c, d];
+            let finer = quarters.map(mean).into_iter().sum::<DVec3>() / 4.0;
+            for quarter in quarters {
+                missed[quarter.0 as usize] = (finer - mean(node)) / 3.0;
+            }
         }
-        share
+        missed
     }
 
     /// The reflectance where a function is checked, dimensionless.
@@ -141,7 +207,7 @@ impl<'s> LitMesh<'s> {
         let rho = self.reflectance[self.mesh.surface(leaf).index()];
         self.mesh
             .corners(leaf)
-            .map(|vertex| rho * self.lights[vertex.0 as usize].irradiance)
+            .map(|vertex| rho * self.lights[vertex.0 as usize].irradiance())
     }
 
     /// What reflected radiosities are compared with.
@@ -340,9 +406,61 @@ impl<'s> LitMesh<'s> {
     pub fn function(&self) -> Result<IrradianceFunction, SceneError> {
         let mesh = self.mesh.mesh()?;
         let lights = self.lights.iter();
-        let irradiance = lights.clone().map(|light| light.irradiance.as_vec3());
+        let irradiance = lights.clone().map(|light| light.irradiance().as_vec3());
         let direct = lights.map(|light| light.direct.as_vec3());
         IrradianceFunction::new(mesh, irradiance.collect(), direct.collect())
+    }
+}
+
+/// Leaves within a source, or one that it is a part of.
+#[derive(Clone, Copy, Debug, Default)]
+struct Parts {
+    leaves: u32,
+    /// m^2.
+    area: f64,
+    /// Integrals, W.
+    irradiance: DVec3,
+    missed: DVec3,
+    correction: DVec3,
+}
+
+/// What a source receives.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Means {
+    pub receives: Receives,
+    /// The mean of the function as it is, linear between vertices, W/m^2; `None` where it has no vertices.
+    pub linear: Option<DVec3>,
+}
+
+impl Parts {
+    /// One more, of so many m^2, with the light of its corners; the source's part of it has its middle there.
+    fn add(&mut self, area: f64, lights: [&Light; 3], middle: DVec3) {
+        let weights = (area * middle).to_array();
+        self.leaves += 1;
+        self.area += area;
+        for (light, weight) in lights.into_iter().zip(weights) {
+            self.irradiance += weight * light.irradiance();
+            self.correction += weight * light.correction;
+        }
+    }
+
+    fn means(self) -> Means {
+        if self.leaves == 0 {
+            return Means {
+                receives: Receives::BesidesItsRow(DVec3::ZERO),
+                linear: None,
+            };
+        }
+        let receives = if self.leaves >= FEWEST_LEAVES {
+            let mean = (self.irradiance + self.missed) / self.area;
+            Receives::OnTheMean(mean.max(DVec3::ZERO))
+        } else {
+            Receives::BesidesItsRow(self.correction / self.area)
+        };
+        Means {
+            receives,
+            linear: Some(self.irradiance / self.area),
+        }
     }
 }
 

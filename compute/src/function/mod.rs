@@ -21,9 +21,13 @@
 //! is large are bisected though their corners say nothing. What neither corners nor chance would find, the spot of a lamp a hand's
 //! breadth before a wall, the closed form of its unhidden light does (`direct.rs`).
 //!
-//! Sources are one value each, and near a contact that is too bright. Where that matters, each vertex gathers once more by the
+//! The user's patches are no matter: where they are more than some thousand, sources are coarser. What a source receives on the mean
+//! its own row does not know where light varies, but the function does, so that the equation is solved again with what it says
+//! ([`Resolve`]) whenever it is checked. Power is balanced by that: what a wall sends out is what the function says that it receives.
+//!
+//! Sources are still one value each, and near a contact that is too bright. Where that matters, each vertex gathers once more by the
 //! function itself, at each pixel's own place, less by the sources: the difference is added, and what the next such
-//! difference would be is what is left of the error. Either is reflected around the scene, which its mean tells, as ambient light.
+//! difference would be, reflected around the scene as ambient light, is what is left of the error.
 //!
 //! Of many samples the first that looks good is a lucky one, so that what it says is not what is stated: others are drawn.
 //!
@@ -44,7 +48,7 @@ use std::time::{Duration, Instant};
 
 use glam::DVec3;
 use scene::function::{IrradianceFunction, NodeId, Refinement, VertexId};
-use scene::{PatchId, Scene, SceneError, Solution, SurfaceId};
+use scene::{PatchId, Rgb, Scene, SceneError, SurfaceId};
 use visibility::Drawable;
 
 use crate::FormFactors;
@@ -53,9 +57,9 @@ use crate::rows::BackendError;
 use crate::settings::Target;
 use crate::sources::Sources;
 use checks::Sample;
-use gatherer::Gatherer;
+use gatherer::{Gatherer, Light};
 use growth::Growth;
-use lit_mesh::{FlatPatch, LitMesh};
+use lit_mesh::LitMesh;
 use vertices::Place;
 
 pub use report::{Cause, ErrorByCause, Errors, FunctionEnd, FunctionReport};
@@ -100,130 +104,263 @@ pub enum FunctionFault {
     Values(#[from] SceneError),
 }
 
-/// Gathers the function of a solution from `sources` over its patches, with as many vertices as the target asks for, or as there
-/// is time for. `None` where it is cancelled.
+/// What is known of what a source receives from what all sources send out, W/m^2.
+#[derive(Clone, Copy, Debug)]
+pub enum Receives {
+    /// This, on the mean.
+    OnTheMean(DVec3),
+    /// What its row says, and this.
+    BesidesItsRow(DVec3),
+}
+
+/// Who solves the equation once more.
+pub trait Resolve {
+    /// What sources receive, W/m^2, one per source, where this is known of what they receive from what all send out now. `None`
+    /// where it is cancelled, or is to stay as it was solved.
+    ///
+    /// # Errors
+    /// What a back end says.
+    fn resolve(&mut self, known: &[Receives]) -> Result<Option<Vec<Rgb>>, BackendError>;
+}
+
+/// A function, and what goes with it.
+#[derive(Clone, Debug)]
+pub struct Gathered {
+    /// With the estimates of its error.
+    pub function: IrradianceFunction,
+    /// What is said of it.
+    pub report: FunctionReport,
+    /// What patches receive, W/m^2, one per patch: as much as their sources, or where they have no vertices and are smaller than
+    /// these, what they have gathered themselves.
+    pub irradiance: Vec<Rgb>,
+}
+
+/// Gathers the function of a solution among `sources`, with as many vertices as the target asks for, or as there is time for.
+/// `irradiance` is what sources receive, W/m^2. `None` where it is cancelled.
 ///
 /// # Errors
 /// A back end that does not open or cannot go on, and values that no f32 holds.
 pub fn gather<'a>(
     form_factors: &FormFactors<'a>,
-    sources: Sources<'a>,
-    solution: &Solution,
+    sources: &Sources<'a>,
+    irradiance: &[Rgb],
     order: &Order,
-) -> Result<Option<(IrradianceFunction, FunctionReport)>, FunctionFault> {
+    resolve: &mut dyn Resolve,
+) -> Result<Option<Gathered>, FunctionFault> {
     let scene = sources.patches();
     let mesh = first_mesh(scene, sources.drawable(), order.is_lit);
-    let flat = flat_patches(scene, &mesh, solution, order.is_lit);
-    let mut growth = Growth::new(LitMesh::new(scene, mesh, flat), order.target);
-    let mut gatherer = Gatherer::new(form_factors, sources, solution, order.cancel)?;
-    let covered = growth.lit().area() / scene.area();
-    let iterations = Errors::splat(order.iterations);
-    let mut can_grow = true;
-    // What the next round is likely to take.
-    let mut next = Duration::ZERO;
-    loop {
-        let start = Instant::now();
-        let new = growth.lit().new_vertices();
-        let places: Vec<Place> = new
-            .map(|vertex| place(growth.lit().mesh(), vertex))
-            .collect();
-        let Some(lights) = gatherer.gather(&places)? else {
-            return Ok(None);
-        };
-        growth.take(lights);
-        let is_late = (order.is_late)(next);
-        let is_last = growth.is_full() || is_late || !can_grow;
-        if is_last || growth.wants_checks() {
-            let function = growth.lit().function()?;
-            let Some(mut sample) = sampled(&mut growth, &mut gatherer, &function, 1)? else {
-                return Ok(None);
-            };
-            let mut error = growth.judge(&sample, iterations);
-            // Who believes the first sample that looks good has been lucky as a rule: other ones tell.
-            if growth.is_reached(error.total) {
-                let others = sampled(&mut growth, &mut gatherer, &function, CONFIRMATIONS)?;
-                let Some(others) = others else {
-                    return Ok(None);
-                };
-                sample = others;
-                error = growth.judge(&sample, iterations);
-            }
-            let check_count = sample.checks.len() as u32;
-            let can_refine = !is_last && !gatherer.is_refined();
-            growth.ask(&error, can_refine);
-            if can_refine && growth.wants_finer_sources(&error) && growth.is_enough(error.mesh) {
-                let mesh = growth.lit().mesh();
-                let vertices = (0..mesh.vertex_count()).map(VertexId);
-                let places: Vec<Place> = vertices.map(|vertex| place(mesh, vertex)).collect();
-                let Some(finer) = gatherer.refine(function, &places) else {
-                    return Ok(None);
-                };
-                gatherer.add_ambient(growth.add(&finer));
-                continue;
-            }
-            let is_reached = growth.is_reached(error.total);
-            let end = if is_reached {
-                Some(FunctionEnd::Error)
-            } else if growth.is_full() {
-                Some(FunctionEnd::Vertices)
-            } else if is_late {
-                Some(FunctionEnd::TimeLimit)
-            } else if !can_grow || growth.is_enough(error.mesh) || growth.is_stuck(error.mesh) {
-                Some(FunctionEnd::OtherCauses)
-            } else {
-                None
-            };
-            if let Some(stopped_by) = end {
-                let patch_errors = growth.patch_errors(&error);
-                let is_known = check_count > 0;
-                let mesh = growth.lit().mesh();
-                let report = FunctionReport {
-                    vertices: mesh.vertex_count(),
-                    triangles: mesh.leaves().count() as u32,
-                    covered,
-                    checks: check_count,
-                    error: is_known.then_some(error),
-                    is_reached,
-                    stopped_by,
-                    mostly_by: is_known.then(|| error.worst(&order.target)),
-                    mostly_on: report::worst_object(scene, &patch_errors),
-                };
-                let function = function.with_error(patch_errors)?;
-                return Ok(Some((function, report)));
-            }
-        }
-        can_grow = growth.grow();
-        next = start.elapsed().mul_f64(NEXT_ROUND);
-    }
+    let smaller = smaller_than_sources(sources, &mesh, order.is_lit);
+    let mut making = Making {
+        scene,
+        growth: Growth::new(LitMesh::new(scene, mesh), order.target),
+        gatherer: Gatherer::new(form_factors, sources, irradiance, order.cancel)?,
+        order,
+        resolve,
+        patches: sources.prolonged(irradiance),
+        smaller,
+    };
+    let Some(report) = making.run()? else {
+        return Ok(None);
+    };
+    let (function, report) = report;
+    Ok(Some(Gathered {
+        function,
+        report,
+        irradiance: making.patches,
+    }))
 }
 
-/// What is found in so many rounds of checks; `None` where it is cancelled.
-fn sampled(
-    growth: &mut Growth,
-    gatherer: &mut Gatherer,
-    function: &IrradianceFunction,
-    rounds: u32,
-) -> Result<Option<Sample>, BackendError> {
-    let mut sample = Sample::default();
-    for _ in 0..rounds {
-        let checks = growth.checks();
-        let places: Vec<Place> = checks.iter().map(|check| check.place).collect();
-        let Some(lights) = gatherer.gather(&places)? else {
+/// A function on its way.
+struct Making<'m, 'a> {
+    scene: &'a Scene,
+    growth: Growth<'a>,
+    gatherer: Gatherer<'a, 'm>,
+    order: &'m Order<'m>,
+    resolve: &'m mut dyn Resolve,
+    /// What patches receive, W/m^2, one per patch.
+    patches: Vec<Rgb>,
+    /// Those that have gathered themselves, before all vertices.
+    smaller: Vec<PatchId>,
+}
+
+impl Making<'_, '_> {
+    fn run(&mut self) -> Result<Option<(IrradianceFunction, FunctionReport)>, FunctionFault> {
+        let Some(lights) = self.gather_patches()? else {
             return Ok(None);
         };
-        // Which cost several times what gathering does, and find much the same everywhere.
-        let again: Vec<usize> = (0..places.len()).step_by(LOOK_EVERY).collect();
-        let places: Vec<Place> = again.iter().map(|&k| places[k]).collect();
-        let Some(looks) = gatherer.look_again(function, &places) else {
-            return Ok(None);
-        };
-        sample = sample.and(Sample {
-            checks,
-            lights,
-            looks: again.into_iter().zip(looks).collect(),
-        });
+        self.light_patches(&lights);
+        let iterations = Errors::splat(self.order.iterations);
+        let mut can_grow = true;
+        // What the next round is likely to take.
+        let mut next = Duration::ZERO;
+        loop {
+            let start = Instant::now();
+            let new = self.growth.lit().new_vertices();
+            let places: Vec<Place> = new
+                .map(|vertex| place(self.growth.lit().mesh(), vertex))
+                .collect();
+            let Some(lights) = self.gatherer.gather_and_keep(&places)? else {
+                return Ok(None);
+            };
+            self.growth.take(lights);
+            let is_late = (self.order.is_late)(next);
+            let is_last = self.growth.is_full() || is_late || !can_grow;
+            if is_last || self.growth.wants_checks() {
+                if !self.balance()? {
+                    return Ok(None);
+                }
+                let function = self.growth.lit().function()?;
+                let Some(mut sample) = self.sampled(&function, 1)? else {
+                    return Ok(None);
+                };
+                let mut error = self.growth.judge(&sample, iterations);
+                // Who believes the first sample that looks good has been lucky as a rule: other ones tell.
+                if self.growth.is_reached(error.total) {
+                    let others = self.sampled(&function, CONFIRMATIONS)?;
+                    let Some(others) = others else {
+                        return Ok(None);
+                    };
+                    sample = others;
+                    error = self.growth.judge(&sample, iterations);
+                }
+                let can_refine = !is_last && !self.gatherer.is_refined();
+                self.growth.ask(&error, can_refine);
+                if can_refine
+                    && self.growth.wants_finer_sources(&error)
+                    && self.growth.is_enough(error.mesh)
+                {
+                    let means = self.growth.lit().means(self.gatherer.sources());
+                    let Some(lights) = self.gatherer.refine(function, &means) else {
+                        return Ok(None);
+                    };
+                    let lights = lights.to_vec();
+                    self.renew(&lights);
+                    self.growth.start_again();
+                    continue;
+                }
+                if let Some(end) = self.end(&error, is_late, can_grow) {
+                    let checks = sample.checks.len() as u32;
+                    return Ok(Some(self.finished(function, &error, checks, end)?));
+                }
+            }
+            can_grow = self.growth.grow();
+            next = start.elapsed().mul_f64(NEXT_ROUND);
+        }
     }
-    Ok(Some(sample))
+
+    /// Why it is to end now, if it is.
+    fn end(&mut self, error: &ErrorByCause, is_late: bool, can_grow: bool) -> Option<FunctionEnd> {
+        let growth = &mut self.growth;
+        if growth.is_reached(error.total) {
+            Some(FunctionEnd::Error)
+        } else if growth.is_full() {
+            Some(FunctionEnd::Vertices)
+        } else if is_late {
+            Some(FunctionEnd::TimeLimit)
+        } else if !can_grow || growth.is_enough(error.mesh) || growth.is_stuck(error.mesh) {
+            Some(FunctionEnd::OtherCauses)
+        } else {
+            None
+        }
+    }
+
+    /// The function with the estimates of its error, and what is said of it.
+    fn finished(
+        &self,
+        function: IrradianceFunction,
+        error: &ErrorByCause,
+        checks: u32,
+        stopped_by: FunctionEnd,
+    ) -> Result<(IrradianceFunction, FunctionReport), SceneError> {
+        let patch_errors = self.growth.patch_errors(error);
+        let is_known = checks > 0;
+        let mesh = self.growth.lit().mesh();
+        let report = FunctionReport {
+            vertices: mesh.vertex_count(),
+            triangles: mesh.leaves().count() as u32,
+            covered: self.growth.lit().area() / self.scene.area(),
+            checks,
+            error: is_known.then_some(*error),
+            is_reached: self.growth.is_reached(error.total),
+            stopped_by,
+            mostly_by: is_known.then(|| error.worst(&self.order.target)),
+            mostly_on: report::worst_object(self.scene, &patch_errors),
+        };
+        Ok((function.with_error(patch_errors)?, report))
+    }
+
+    /// What is found in so many rounds of checks; `None` where it is cancelled.
+    fn sampled(
+        &mut self,
+        function: &IrradianceFunction,
+        rounds: u32,
+    ) -> Result<Option<Sample>, BackendError> {
+        let mut sample = Sample::default();
+        let means = self.growth.lit().means(self.gatherer.sources());
+        for _ in 0..rounds {
+            let checks = self.growth.checks();
+            let places: Vec<Place> = checks.iter().map(|check| check.place).collect();
+            let Some(lights) = self.gatherer.gather(&places)? else {
+                return Ok(None);
+            };
+            // Which cost several times what gathering does, and find much the same everywhere.
+            let again: Vec<usize> = (0..places.len()).step_by(LOOK_EVERY).collect();
+            let places: Vec<Place> = again.iter().map(|&k| places[k]).collect();
+            let Some(looks) = self.gatherer.look_again(function.clone(), &means, &places) else {
+                return Ok(None);
+            };
+            sample = sample.and(Sample {
+                checks,
+                lights,
+                looks: again.into_iter().zip(looks).collect(),
+            });
+        }
+        Ok(Some(sample))
+    }
+
+    /// What patches gather that are smaller than their sources and have no vertices.
+    fn gather_patches(&mut self) -> Result<Option<Vec<Light>>, BackendError> {
+        let middle = |&patch: &PatchId| {
+            let [a, b, c] = self.scene.patch_in_surface(patch);
+            Place {
+                surface: self.scene.mesh().surface_of(patch),
+                barycentric: (a + b + c) / 3.0,
+            }
+        };
+        let places: Vec<Place> = self.smaller.iter().map(middle).collect();
+        self.gatherer.gather_and_keep(&places)
+    }
+
+    /// Gives patches their light: those that have gathered themselves this, W/m^2.
+    fn light_patches(&mut self, gathered: &[Light]) {
+        for (patch, light) in self.smaller.iter().zip(gathered) {
+            self.patches[patch.index()] = light.irradiance().as_vec3();
+        }
+        self.growth.light_patches(&self.patches, self.order.is_lit);
+    }
+
+    /// Lets sources receive on the mean what the function says, and all else what then arrives; false where it is cancelled.
+    fn balance(&mut self) -> Result<bool, BackendError> {
+        let means = self.growth.lit().means(self.gatherer.sources());
+        let known: Vec<Receives> = means.iter().map(|means| means.receives).collect();
+        let Some(irradiance) = self.resolve.resolve(&known)? else {
+            return Ok(!self.order.cancel.is_cancelled());
+        };
+        self.patches = self.gatherer.prolonged(&irradiance);
+        let Some(lights) = self.gatherer.gather_again(&irradiance)? else {
+            return Ok(false);
+        };
+        let lights = lights.to_vec();
+        self.renew(&lights);
+        Ok(true)
+    }
+
+    /// Gives all places that are kept another light: first patches, then vertices.
+    fn renew(&mut self, lights: &[Light]) {
+        let (of_patches, of_vertices) = lights.split_at(self.smaller.len());
+        self.growth.renew(of_vertices);
+        self.light_patches(of_patches);
+    }
 }
 
 /// The mesh to begin with.
@@ -246,28 +383,20 @@ fn first_mesh(
     }
 }
 
-/// What light can reach and reflects it, but has no vertices.
-fn flat_patches(
-    scene: &Scene,
+/// Patches that light can reach and that have no vertices, but are smaller than their sources.
+fn smaller_than_sources(
+    sources: &Sources,
     mesh: &Refinement,
-    solution: &Solution,
     is_lit: &dyn Fn(SurfaceId) -> bool,
-) -> Vec<FlatPatch> {
+) -> Vec<PatchId> {
+    let scene = sources.patches();
     let trees = (0..).map(SurfaceId).zip(scene.mesh().trees());
-    let flat = trees.filter(|&(surface, _)| !mesh.has_vertices(surface) && is_lit(surface));
-    let patches = flat.flat_map(|(surface, tree)| {
-        let surface = scene.surface(surface);
-        let rho = scene.material(surface.material).reflectance.as_dvec3();
-        let area = surface.area() / f64::from(1_u32 << tree.depth);
-        tree.patches().map(PatchId).map(move |patch| FlatPatch {
-            patch,
-            area,
-            radiosity: rho * solution.irradiance[patch.index()].as_dvec3(),
-        })
+    let coarse = sources.scene().mesh();
+    let smaller = trees.filter(|&(surface, tree)| {
+        tree.depth > coarse.tree(surface).depth && !mesh.has_vertices(surface) && is_lit(surface)
     });
-    patches
-        .filter(|patch| patch.radiosity != DVec3::ZERO)
-        .collect()
+    let patches = smaller.flat_map(|(_, tree)| tree.patches().map(PatchId));
+    patches.collect()
 }
 
 /// Where a vertex gathers.

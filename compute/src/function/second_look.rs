@@ -1,7 +1,7 @@
 //! What hemicubes at some places see once more: turned otherwise, and by the function itself.
 //!
 //! The difference between two turns is what pixels bring. The difference between the reflected light by the function, at each
-//! pixel's own place, and by the sources, each one value, is what it brings that they are as large as they are: below
+//! pixel's own place, and by its mean over each source is what it brings that these are as large as they are: below
 //! a box its shadow is not one value, and what stands in it is too bright.
 
 use std::sync::Arc;
@@ -27,11 +27,25 @@ pub(super) struct SecondLook<'l, 'a> {
     pub seed: Seed,
     /// Reflected radiosity of each source, W/m^2.
     pub reflected: &'l [Rgb],
-    pub function: &'l IrradianceFunction,
+    pub within: &'l Within,
 }
 
-/// Irradiance from reflected light at a place, W/m^2: from sources, and from the function.
-pub(super) type Reflected = [DVec3; 2];
+/// What sources are like within.
+#[derive(Clone, Debug)]
+pub(super) struct Within {
+    pub function: IrradianceFunction,
+    /// What of each source's reflected radiosity is one value, W/m^2: the function's mean.
+    pub means: Vec<Rgb>,
+}
+
+/// Irradiance from reflected light at a place, W/m^2.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Reflected {
+    /// From sources of one value each.
+    pub by_sources: DVec3,
+    /// How much more it is that sources are not.
+    pub within: DVec3,
+}
 
 impl SecondLook<'_, '_> {
     /// What these places see, on the threads of the rayon pool it is called in.
@@ -63,7 +77,7 @@ impl SecondLook<'_, '_> {
         receiver: ReceiverId,
     ) -> Reflected {
         let scene = self.drawable.scene();
-        let mut sums = [DVec3::ZERO; 2];
+        let mut sums = Reflected::default();
         for frame in places.frames(receiver) {
             let view = viewer.hemicube(self.resolution, &frame, places.surface(receiver));
             for (face, window) in view.windows().iter().enumerate() {
@@ -80,20 +94,26 @@ impl SecondLook<'_, '_> {
                             return;
                         };
                         let (source, _) = scene.mesh().locate(surface, barycentric);
+                        let factor = f64::from(factors[i]);
                         let by_source = self.reflected[source.index()];
-                        let values = self.function.irradiance();
-                        let by_function = self.function.interpolate(values, surface, barycentric);
+                        sums.by_sources += factor * by_source.as_dvec3();
+                        let Within { function, means } = self.within;
+                        let values = function.irradiance();
                         let material = scene.material(scene.surface(surface).material);
-                        let by_function =
-                            by_function.map_or(by_source, |h| material.reflectance * h);
-                        for (sum, radiosity) in sums.iter_mut().zip([by_source, by_function]) {
-                            *sum += f64::from(factors[i]) * radiosity.as_dvec3();
+                        if let Some(irradiance) = function.interpolate(values, surface, barycentric)
+                        {
+                            let more = material.reflectance * irradiance - means[source.index()];
+                            sums.within += factor * more.as_dvec3();
                         }
                     });
                 }
             }
         }
-        sums.map(|sum| sum / f64::from(UNITS_PER_ONE))
+        let units = f64::from(UNITS_PER_ONE);
+        Reflected {
+            by_sources: sums.by_sources / units,
+            within: sums.within / units,
+        }
     }
 }
 

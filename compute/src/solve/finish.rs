@@ -1,28 +1,43 @@
 //! The end of a run: the irradiance function, if one is asked for, and what the solution is worth.
 
-use scene::function::IrradianceFunction;
-use scene::{Solution, SurfaceId};
+use scene::{PatchId, Solution, State, SurfaceId};
 
+use super::corrected::{Corrected, Uncorrected};
+use super::levels::irradiances;
 use super::{Run, SolveError, SolveFault, Solved, SourcesReport, StoppedBy};
-use crate::certificate;
-use crate::energy;
-use crate::function::{self, FunctionFault, FunctionReport, Order};
+use crate::certificate::{self, Certificate, Known};
+use crate::energy::{self, Closure, Energy};
+use crate::function::{self, FunctionFault, Gathered, Order};
 use crate::problem::Problem;
 use crate::row_cache::{RowCache, RowStatistics};
 use crate::settings::Target;
 use crate::solver::ambient_radiosity;
 use crate::solver::convergence::Convergence;
+use crate::sources::Sources;
+
+/// What there is to say of rows and a solution.
+struct Worth {
+    energy: Energy,
+    closure: Option<Closure>,
+    back_face_share: Option<f64>,
+    certificate: Certificate,
+    unlit_patches: u32,
+    inside: Option<Vec<PatchId>>,
+}
 
 impl<'a> Run<'a, '_> {
     /// What a solution is worth that the run has come to. `of_sources` is what there is to tell of coarser sources, and
-    /// their rows.
-    pub(super) fn finish(
+    /// of their rows, if these are not they.
+    pub(super) fn finish<'s>(
         &mut self,
         mut solution: Solution,
         result: Result<StoppedBy, SolveFault>,
-        rows: &mut RowCache,
-        of_sources: Option<(SourcesReport, RowStatistics)>,
-    ) -> Result<Solved, SolveError> {
+        rows: &mut RowCache<'s>,
+        of_sources: Option<(SourcesReport, Option<RowStatistics>)>,
+    ) -> Result<Solved, SolveError>
+    where
+        'a: 's,
+    {
         let with = |solution: &Solution, cause| SolveError {
             cause,
             solution: Some(Box::new(solution.clone())),
@@ -42,46 +57,42 @@ impl<'a> Run<'a, '_> {
                 stopped_by = StoppedBy::Interrupt;
             }
         }
-        let statistics = rows.statistics().with_drawing_of(&self.drawn_before);
-        let kept = of_sources.map_or(statistics, |(_, rows)| rows);
         let mut function = None;
         if let Some(target) = self.settings.target
             && is_over
             && !self.cancel.is_cancelled()
         {
-            match self.function(rows, &solution, target) {
-                Ok(Some((gathered, report))) => {
-                    solution.function = Some(gathered);
-                    function = Some(report);
+            let is_converged = stopped_by == StoppedBy::Tolerance;
+            match self.function(rows, &solution, target, is_converged) {
+                Ok(Some(gathered)) => {
+                    solution.irradiance = gathered.irradiance;
+                    solution.state = State::AtRest;
+                    solution.function = Some(gathered.function);
+                    function = Some(gathered.report);
                 }
                 Ok(None) => stopped_by = StoppedBy::Interrupt,
                 Err(error) => return Err(with(&solution, error.into())),
             }
         }
+        let statistics = rows.statistics().with_drawing_of(&self.drawn_before);
+        let kept = of_sources.map_or(statistics, |(_, rows)| rows.unwrap_or(statistics));
         let duration = statistics.duration;
         self.seconds.draw = duration.as_secs_f64();
         self.seconds.write += statistics.files.as_secs_f64();
         self.seconds.finish(self.start.elapsed());
-        let inside = certificate::inside(rows, &solution);
-        let known = inside.as_deref();
-        let (energy, closure, back_face_share) =
-            energy::measure(self.scene, &solution, rows, known.unwrap_or_default());
+        let has_estimate = function.is_some_and(|function| function.error.is_some());
+        let worth = self.worth(rows, &solution, has_estimate);
         let residuals = &solution.provenance.residuals;
         let solver = self.settings.solution.solver;
         let ambient = ambient_radiosity(&Problem::new(self.scene), &solution);
         Ok(Solved {
             radiosity: solution.radiosity(self.scene),
-            certificate: certificate::certify(
-                rows,
-                known,
-                energy.imbalance,
-                residuals.last().copied(),
-            ),
+            certificate: worth.certificate,
             stopped_by,
             backend: rows.backend(),
             adapter: rows.describe_source(),
             trial: self.trial,
-            unlit_patches: self.scene.patch_count() - rows.lit_count(),
+            unlit_patches: worth.unlit_patches,
             rows: RowStatistics {
                 hemicubes: statistics.hemicubes,
                 duration,
@@ -94,30 +105,73 @@ impl<'a> Run<'a, '_> {
             iterations_before: 0,
             convergence: Convergence::new(solver, residuals),
             ambient_radiosity: ambient.map(Into::into),
-            energy,
-            closure,
-            back_face_share,
+            energy: worth.energy,
+            closure: worth.closure,
+            back_face_share: worth.back_face_share,
             function,
-            inside,
+            inside: worth.inside,
             solution,
         })
     }
 
+    /// What rows and a solution of the patches are worth. `has_estimate` says whether the error of its function is known.
+    fn worth(&self, rows: &RowCache<'_>, solution: &Solution, has_estimate: bool) -> Worth {
+        let are_patches = rows.sources().patches().patch_count() == self.scene.patch_count();
+        // What receivers are made of, where they are coarser than the patches.
+        let receivers =
+            (!are_patches).then(|| Sources::drawn_as(self.scene, rows.sources().drawable()));
+        let of_receivers = receivers.as_ref().map(|receivers| Solution {
+            irradiance: receivers.restricted(&solution.irradiance),
+            ..irradiances(Vec::new(), &solution.provenance)
+        });
+        let of_receivers = of_receivers.as_ref().unwrap_or(solution);
+        let inside = certificate::inside(rows, of_receivers);
+        let (energy, closure, back_face_share) = energy::measure(
+            rows.sources().patches(),
+            of_receivers,
+            rows,
+            inside.as_deref().unwrap_or_default(),
+        );
+        let known = Known {
+            inside: inside.as_deref(),
+            imbalance: energy.imbalance,
+            residual: solution.provenance.residuals.last().copied(),
+            has_estimate,
+            patches: receivers.as_ref(),
+        };
+        let unlit = (0..).zip(rows.unlit()).filter(|&(_, &is_unlit)| is_unlit);
+        Worth {
+            energy,
+            closure,
+            back_face_share,
+            certificate: certificate::certify(rows, known),
+            unlit_patches: unlit.map(|(k, _)| known.patches_in(k).len() as u32).sum(),
+            inside: inside.as_ref().map(|inside| {
+                let patches = inside.iter().flat_map(|k| known.patches_in(k.index()));
+                patches.map(PatchId).collect()
+            }),
+        }
+    }
+
     /// The irradiance function of a solution whose rows these are. `None` where it is cancelled.
-    fn function(
+    fn function<'s>(
         &self,
-        rows: &RowCache<'a>,
+        rows: &mut RowCache<'s>,
         solution: &Solution,
         target: Target,
-    ) -> Result<Option<(IrradianceFunction, FunctionReport)>, FunctionFault> {
-        let trees = self.scene.mesh().trees();
+        is_converged: bool,
+    ) -> Result<Option<Gathered>, FunctionFault>
+    where
+        'a: 's,
+    {
+        let trees = rows.sources().patches().mesh().trees();
+        let unlit = rows.unlit().to_vec();
         let is_lit = |surface: SurfaceId| {
             let mut patches = trees[surface.index()].patches();
-            patches.any(|patch| !rows.unlit()[patch as usize])
+            patches.any(|patch| !unlit[patch as usize])
         };
         let limit = self.settings.time_limit;
         let is_late = |more| limit.is_some_and(|limit| self.start.elapsed() + more >= limit);
-        let sources = rows.sources().clone();
         let residuals = &solution.provenance.residuals;
         let convergence = Convergence::new(self.settings.solution.solver, residuals);
         // After the first iteration nothing is known.
@@ -129,6 +183,20 @@ impl<'a> Run<'a, '_> {
             is_late: &is_late,
             cancel: &self.cancel,
         };
-        function::gather(&self.form_factors, sources, solution, &order)
+        let sources = Sources::drawn_as(self.scene, rows.sources().drawable());
+        let irradiance = sources.restricted(&solution.irradiance);
+        let form_factors = self.form_factors.of_scene(self.scene);
+        if is_converged && rows.sources().are_patches() {
+            let mut resolve = Corrected::new(rows, irradiance.clone(), self.settings.tolerance);
+            function::gather(&form_factors, &sources, &irradiance, &order, &mut resolve)
+        } else {
+            function::gather(
+                &form_factors,
+                &sources,
+                &irradiance,
+                &order,
+                &mut Uncorrected,
+            )
+        }
     }
 }

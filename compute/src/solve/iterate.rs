@@ -52,6 +52,7 @@ impl Run<'_, '_> {
         let mut is_shortage_said = false;
         let rows_after = match goal {
             Goal::Convergence | Goal::OnePass => 0,
+            _ if settings.target.is_some() => 0,
             Goal::ConvergenceAmongSources | Goal::Again => self.scene.patch_count(),
         };
         loop {

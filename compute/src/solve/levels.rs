@@ -21,6 +21,8 @@ pub(super) enum Next {
     Patches(Solution),
     /// The patches gather from sources.
     Gather(Box<OfSources>),
+    /// Among sources of at most this area, m^2, from this solution, and then the function is gathered from them.
+    Function(f64, Solution),
 }
 
 /// What solving among sources has come to.
@@ -83,8 +85,9 @@ impl<'a> Run<'a, '_> {
         let mut start = self.start_from(start);
         let residual = start.provenance.residuals.last();
         let is_solved = residual.is_some_and(|&residual| residual <= self.settings.tolerance);
+        let has_function = self.settings.target.is_some();
         if let Level::Gathering { max_area, .. } = start.provenance.level {
-            if is_solved || is_enough {
+            if (is_solved || is_enough) && !has_function {
                 let sources = two_levels::sources(self.scene, max_area);
                 return Ok(Next::Gather(Box::new(OfSources {
                     report: SourcesReport::new(sources.patch_count(), max_area),
@@ -101,7 +104,18 @@ impl<'a> Run<'a, '_> {
         }
         let is_of_sources = start.provenance.level.source_area().is_some();
         let source_area = self.settings.solution.source_area;
-        match self.form_factors.levels(source_area) {
+        let levels = match self.settings.target {
+            Some(target) => self.form_factors.levels_of_function(source_area, target),
+            None => self.form_factors.levels(source_area),
+        };
+        match levels {
+            Levels::Sources(area) if has_function => {
+                if start.provenance.level.source_area() != Some(area) {
+                    let provenance = before_sources(&start.provenance);
+                    start = irradiances(start.irradiance, &provenance);
+                }
+                return Ok(Next::Function(area, start));
+            }
             _ if is_solved && !is_of_sources => {}
             Levels::Automatic if start.provenance.level == Level::PatchesAfterSources => {}
             Levels::Sources(area) => {
@@ -265,6 +279,23 @@ impl<'a> Run<'a, '_> {
         Ok(solved)
     }
 
+    /// Solves among sources of at most `area`, m^2, from `start`, and gathers the function from them.
+    pub(super) fn function_of_sources(
+        &mut self,
+        area: f64,
+        start: Solution,
+    ) -> Result<Solved, SolveError> {
+        let coarse = two_levels::sources(self.scene, area);
+        let form_factors = self.form_factors.of_scene(&coarse);
+        let (mut solver, mut rows) = self.open_on(&form_factors, area, start)?;
+        let result = self.iterate(&mut solver, &mut rows, Goal::ConvergenceAmongSources);
+        let report = SourcesReport {
+            gathered_share: None,
+            ..SourcesReport::new(coarse.patch_count(), area)
+        };
+        self.finish(solver.snapshot(), result, &mut rows, Some((report, None)))
+    }
+
     /// Lets the patches gather from solved sources, unless something has stopped these.
     pub(super) fn gather(&mut self, of_sources: OfSources) -> Result<Solved, SolveError> {
         let is_stopped = of_sources.is_stopped();
@@ -294,10 +325,10 @@ impl<'a> Run<'a, '_> {
                 Ok(StoppedBy::Tolerance) => {}
                 stopped => result = stopped,
             }
-            report.gathered_share = gather.share_done();
+            report.gathered_share = Some(gather.share_done());
             solution = gather.snapshot();
         }
-        let of_sources = Some((report, rows_of_sources));
+        let of_sources = Some((report, Some(rows_of_sources)));
         self.finish(solution, result, &mut rows, of_sources)
     }
 }
@@ -327,7 +358,7 @@ fn before_sources(provenance: &Provenance) -> Provenance {
 }
 
 /// A solution of which no more is known.
-fn irradiances(irradiance: Vec<Rgb>, provenance: &Provenance) -> Solution {
+pub(super) fn irradiances(irradiance: Vec<Rgb>, provenance: &Provenance) -> Solution {
     Solution {
         irradiance,
         provenance: provenance.clone(),

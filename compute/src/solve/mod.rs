@@ -4,6 +4,7 @@
 //! is watched by an [`Observer`] and stopped by a [`CancelToken`]. Form factors come from [`FormFactors`]; a scene is
 //! solved among its patches, or among coarser sources from which the patches then gather (`levels.rs`).
 
+mod corrected;
 mod finish;
 mod iterate;
 mod levels;
@@ -346,6 +347,7 @@ impl<'a> Run<'a, '_> {
                 self.finish(solution, result, &mut rows, None)
             }
             Next::Gather(of_sources) => self.gather(*of_sources),
+            Next::Function(area, start) => self.function_of_sources(area, start),
         };
         solved.map(|solved| Solved {
             iterations_before,

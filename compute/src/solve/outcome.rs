@@ -40,8 +40,9 @@ pub struct SourcesReport {
     /// About the error of irradiance that they bring, relative, root mean square by area; null where it was not asked
     /// for.
     pub estimated_error: Option<f64>,
-    /// Share of the patches that have gathered from them, 0 to 1; the others have what their source has.
-    pub gathered_share: f64,
+    /// Share of the patches that have gathered from them, 0 to 1; the others have what their source has. Null where an irradiance
+    /// function gathers instead.
+    pub gathered_share: Option<f64>,
 }
 
 impl SourcesReport {
@@ -51,7 +52,7 @@ impl SourcesReport {
             count,
             max_area,
             estimated_error: None,
-            gathered_share: 0.0,
+            gathered_share: Some(0.0),
         }
     }
 }

@@ -48,6 +48,8 @@ pub struct Gather {
     next: Vec<Rgb>,
     /// What is gathered, W/m^2, one per patch.
     radiosity: Channels,
+    /// What patches receive besides, W/m^2, one per patch, may be negative; empty where it is nothing.
+    besides: Vec<Rgb>,
     gatherer: Gatherer,
     /// Patches whose new radiosities are used together.
     block: usize,
@@ -90,11 +92,18 @@ impl Gather {
             irradiance,
             next,
             radiosity,
+            besides: Vec::new(),
             gatherer: Gatherer::default(),
             block,
         };
         gather.use_blocks(0);
         gather
+    }
+
+    /// The same where patches receive this besides what they gather, W/m^2, one per patch, which may be negative.
+    #[must_use]
+    pub fn with_besides(self, besides: Vec<Rgb>) -> Self {
+        Self { besides, ..self }
     }
 
     /// Makes the radiosities of the blocks that have been gathered, from that of patch `from` on, known.
@@ -108,7 +117,7 @@ impl Gather {
 
     /// Gathers the rows of the next patches, up to `end`, all of which are in `batches`.
     fn gather(&mut self, batches: &[&CompactRows], end: usize) {
-        let (radiosity, gatherer) = (&self.radiosity, self.gatherer);
+        let (radiosity, besides, gatherer) = (&self.radiosity, &self.besides, self.gatherer);
         let irradiance = (self.next.len()..end)
             .into_par_iter()
             .with_min_len(ROWS_PER_TASK)
@@ -116,7 +125,9 @@ impl Gather {
                 let batch = batches.partition_point(|b| b.receivers().end as usize <= patch);
                 let batch = batches[batch];
                 let row = batch.row(patch - batch.receivers().start as usize);
-                gatherer.irradiance(row, radiosity)
+                let irradiance = gatherer.irradiance(row, radiosity);
+                let besides = besides.get(patch);
+                besides.map_or(irradiance, |&more| (irradiance + more).max(Rgb::ZERO))
             });
         self.next.par_extend(irradiance);
     }

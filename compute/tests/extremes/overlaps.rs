@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use compute::certificate::certify;
+use compute::certificate::{Known, certify};
 use compute::rows::{RowBatch, UNITS_PER_ONE};
 use glam::{DVec3, Vec3};
 use scene::{MaterialId, ObjectId, Scene, Surface, SurfaceId};
@@ -115,7 +115,7 @@ fn bodies_that_cut_each_other_are_reported() {
         }
     }
     assert!(inside > 20, "{inside}");
-    let certificate = certify(&rows, None, None, None);
+    let certificate = certify(&rows, Known::default());
     let backs = certificate.back_faces.as_ref().unwrap();
     assert!(
         ["first", "second"].contains(&backs.culprit.as_deref().unwrap()),
@@ -148,7 +148,7 @@ fn a_patch_inside_a_solid_has_no_part_in_the_exchange() {
     }
     let mut cache = cache(&with, 48);
     cache.draw_missing().unwrap();
-    let certificate = certify(&cache, None, None, None);
+    let certificate = certify(&cache, Known::default());
     assert_eq!(
         certificate.hidden_patches,
         Some(with.patch_count() - count as u32)

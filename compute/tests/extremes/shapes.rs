@@ -1,6 +1,6 @@
 //! Slivers, areas a hundred million apart, and plates that almost touch.
 
-use compute::certificate::{RECIPROCITY_TOLERANCE, certify};
+use compute::certificate::{Known, RECIPROCITY_TOLERANCE, certify};
 use compute::polygon_form_factor::point_to_triangle;
 use compute::rows::UNITS_PER_ONE;
 use glam::Vec3;
@@ -97,7 +97,7 @@ fn plates_that_almost_touch_lose_nothing() {
     assert_furnace(&scene, "plates");
     let mut rows = cache(&scene, 128);
     rows.draw_missing().unwrap();
-    let certificate = certify(&rows, None, None, None);
+    let certificate = certify(&rows, Known::default());
     assert_eq!(certificate.violations, [""; 0]);
     let rms = certificate.reciprocity.unwrap().rms;
     assert!(rms < RECIPROCITY_TOLERANCE, "{rms}");
@@ -145,7 +145,13 @@ fn plates_without_rims_lose_what_leaves_between_them() {
         let solution = solver.snapshot();
         let energy = compute::energy::measure(&scene, &solution, &rows, &[]).0;
         // As much as reciprocity misses, and what the residual leaves.
-        let certificate = certify(&rows, None, energy.imbalance, None);
+        let certificate = certify(
+            &rows,
+            Known {
+                imbalance: energy.imbalance,
+                ..Known::default()
+            },
+        );
         let missed = certificate.reciprocity.unwrap().rms;
         let imbalance = energy.imbalance.unwrap();
         assert!(

@@ -219,6 +219,17 @@ impl Refinement {
         nodes.filter(|(_, node)| node.child == 0).map(|(id, _)| id)
     }
 
+    /// All triangles there are and were, each before its halves.
+    pub fn nodes(&self) -> impl ExactSizeIterator<Item = NodeId> + use<> {
+        (0..self.nodes.len() as u32).map(NodeId)
+    }
+
+    /// The halves of a triangle; `None` where it is a leaf.
+    pub fn halves(&self, node: NodeId) -> Option<[NodeId; 2]> {
+        let child = self.nodes[node.0 as usize].child;
+        (child > 0).then(|| [NodeId(child), NodeId(child + 1)])
+    }
+
     /// Whether a triangle is a leaf.
     pub fn is_leaf(&self, node: NodeId) -> bool {
         self.nodes[node.0 as usize].child == 0

@@ -1,0 +1,100 @@
+//! Solving once more where it is known better what sources receive.
+//!
+//! # Theory
+//! A source's row says what arrives at some of its points, which is not what it receives on the mean, M(B), where light varies:
+//! beside a lamp, across a shadow. M is known by the function that is gathered from the sources, but dearly. So the equation is
+//! solved with the rows F and the defect that they had before, B' (Stetter, "The defect correction principle and
+//! discretization methods", Numerische Mathematik 29, 1978):
+//!
+//! B = E + rho (F B + M(B') - F B'),
+//!
+//! which is that of M where B = B'.
+
+use scene::{Provenance, Rgb, Solution, State};
+
+use crate::function::{Receives, Resolve};
+use crate::problem::Problem;
+use crate::row_cache::RowCache;
+use crate::rows::BackendError;
+use crate::solver::{Gather, Solver, Update};
+
+/// Iterations are enough where the residual is as small as the tolerance or this, or when they are so many.
+const LEAST_RESIDUAL: f64 = 1e-6;
+const MOST_ITERATIONS: u64 = 200;
+
+/// The equation among sources, and its solution.
+pub(super) struct Corrected<'r, 'a> {
+    rows: &'r mut RowCache<'a>,
+    problem: Problem,
+    /// W/m^2, one per source.
+    irradiance: Vec<Rgb>,
+    /// Of the relative residual.
+    tolerance: f64,
+}
+
+impl<'r, 'a> Corrected<'r, 'a> {
+    /// Sources that receive this, W/m^2, with their rows to each other. `tolerance` is that of the relative residual.
+    pub fn new(rows: &'r mut RowCache<'a>, irradiance: Vec<Rgb>, tolerance: f64) -> Self {
+        Self {
+            problem: Problem::new(rows.sources().scene()),
+            rows,
+            irradiance,
+            tolerance: tolerance.max(LEAST_RESIDUAL),
+        }
+    }
+
+    /// What sources receive after so many iterations, or where they do not change any more; `None` where it is cancelled.
+    fn iterate(
+        &mut self,
+        update: Update,
+        besides: Vec<Rgb>,
+        most: u64,
+    ) -> Result<Option<Vec<Rgb>>, BackendError> {
+        let start = Solution {
+            irradiance: self.irradiance.clone(),
+            provenance: Provenance::default(),
+            state: State::AtRest,
+            function: None,
+        };
+        let gather = Gather::new(self.problem.clone(), update, start);
+        let mut gather = gather.with_besides(besides);
+        while gather.iterations() < most
+            && gather
+                .residual()
+                .is_none_or(|residual| residual > self.tolerance)
+        {
+            if self.rows.cancel().is_cancelled() {
+                return Ok(None);
+            }
+            gather.step(self.rows)?;
+        }
+        Ok(Some(gather.snapshot().irradiance))
+    }
+}
+
+impl Resolve for Corrected<'_, '_> {
+    fn resolve(&mut self, known: &[Receives]) -> Result<Option<Vec<Rgb>>, BackendError> {
+        let Some(by_rows) = self.iterate(Update::AfterIteration, Vec::new(), 1)? else {
+            return Ok(None);
+        };
+        let defect = |(known, by_row): (&Receives, &Rgb)| match known {
+            Receives::OnTheMean(mean) => (*mean - by_row.as_dvec3()).as_vec3(),
+            Receives::BesidesItsRow(more) => more.as_vec3(),
+        };
+        let besides = known.iter().zip(&by_rows).map(defect).collect();
+        let Some(irradiance) = self.iterate(Update::AtOnce, besides, MOST_ITERATIONS)? else {
+            return Ok(None);
+        };
+        self.irradiance = irradiance;
+        Ok(Some(self.irradiance.clone()))
+    }
+}
+
+/// Who leaves it at what was solved.
+pub(super) struct Uncorrected;
+
+impl Resolve for Uncorrected {
+    fn resolve(&mut self, _: &[Receives]) -> Result<Option<Vec<Rgb>>, BackendError> {
+        Ok(None)
+    }
+}
