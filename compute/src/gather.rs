@@ -7,6 +7,7 @@ use scene::{Rgb, Solution};
 
 use crate::FormFactors;
 use crate::backend::Backend;
+use crate::problem::Problem;
 use crate::receivers::{Receivers, Sensor, Sensors};
 use crate::rows::{BackendError, Entry, UNITS_PER_ONE};
 use crate::settings::Seed;
@@ -27,7 +28,7 @@ pub struct Received {
 
 /// Sensors in a solved scene, and who looks from them.
 pub struct Gathering<'a> {
-    /// Of the patches, W/m^2.
+    /// Of the patches, W/m^2: by the function, where there is one.
     radiosity: Vec<Rgb>,
     emission: Vec<Rgb>,
     backend: Backend<'a>,
@@ -51,8 +52,10 @@ impl<'a> Gathering<'a> {
         let sensors = Sensors::new(sources.drawable(), sensors, Seed::DEFAULT);
         let (count, on_surfaces) = (sensors.count(), sensors.on_surfaces());
         let backend = form_factors.at(Box::new(sensors), sources)?;
+        let problem = Problem::new(scene);
+        let means = solution.mean_irradiance(scene).into_iter().enumerate();
         Ok(Self {
-            radiosity: solution.radiosity(scene),
+            radiosity: means.map(|(i, h)| problem.radiosity(i, h)).collect(),
             emission: scene.patch_emissions(),
             backend,
             count,

@@ -1,5 +1,9 @@
 //! What decides form factors and solutions: plain, checked values, whatever they were given as.
 
+mod quality;
+
+pub use quality::Quality;
+
 use std::iter;
 use std::str::FromStr;
 use std::time::Duration;
@@ -346,7 +350,20 @@ pub struct Target {
 /// About as much as an error of the power, what is visible is in rooms with shadows.
 const VISIBLE_OVER_POWER: f64 = 2.5;
 
+/// The most vertices, for the sake of memory: with four nodes, six edges and its light each takes some 540 bytes, and its row
+/// while there is room for it.
+const MOST_VERTICES: u32 = 1 << 22;
+
 impl Target {
+    /// At most these errors, relative.
+    pub fn of(power: Option<f64>, visible: Option<f64>) -> Self {
+        Self {
+            power,
+            visible,
+            most_vertices: MOST_VERTICES,
+        }
+    }
+
     /// The power error that is asked for, or that goes with the visible error where that asks for more; 1 where nothing is
     /// asked for.
     pub fn strictest(&self) -> f64 {
@@ -377,7 +394,7 @@ pub struct SolveSettings {
     pub target: Option<Target>,
 }
 
-/// As a run has it by default.
+/// As a run has it by `--quality mesh`.
 impl Default for SolveSettings {
     fn default() -> Self {
         Self {

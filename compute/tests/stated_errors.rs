@@ -285,7 +285,7 @@ fn room() -> impl Strategy<Value = Room> {
         })
 }
 
-/// In 19 rooms of 20 what is stated is not under what is found by more than a factor of 1.5 and not over it by more than 3.
+/// In 19 rooms of 20, or but for one where there are fewer, what is stated is not under what is found by more than a factor of 1.5 and not over it by more than 3.
 /// `ROOMS=100` tries as many.
 #[test]
 fn what_is_stated_is_what_is_found() {
@@ -310,5 +310,9 @@ fn what_is_stated_is_what_is_found() {
         println!("{} {}", said.join(", "), if is_true { "" } else { "MISSED" });
         misses.set(misses.get() + u32::from(!is_true));
     });
-    assert!(20 * misses.get() <= cases, "{} missed", misses.get());
+    assert!(
+        20 * misses.get() <= cases.max(20),
+        "{} missed",
+        misses.get()
+    );
 }

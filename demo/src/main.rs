@@ -25,9 +25,9 @@ struct Arguments {
     /// Write the pictures alone
     #[arg(long)]
     pictures_only: bool,
-    /// Pixels along a hemicube's face: even, 2 to 4096
-    #[arg(long, default_value = "128", value_parser = compute::program::cli::parse_resolution)]
-    resolution: u32,
+    /// Pixels along a hemicube's face: even, 2 to 4096 [default: 32]
+    #[arg(long, value_parser = compute::program::cli::parse_resolution)]
+    resolution: Option<u32>,
     /// Who draws the hemicubes: auto, cpu or gpu
     #[arg(long, default_value = "auto", value_parser = compute::program::cli::backend_parser())]
     backend: compute::settings::BackendChoice,

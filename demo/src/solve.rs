@@ -1,10 +1,10 @@
-//! Solving one scene with the library, keeping what the pictures show.
+//! Solving one scene with the library, as `compute` does by default: to a stated error.
 
 use std::time::Instant;
 
-use compute::energy::Closure;
-use compute::settings::{BackendChoice, Drawing, SolveSettings};
-use compute::solve::Observer;
+use anyhow::Context;
+use compute::function::Errors;
+use compute::settings::{BackendChoice, Quality, SolveSettings};
 use compute::{Solve, Solved};
 use scene::{Scene, Solution};
 
@@ -21,56 +21,57 @@ pub struct Summary {
     pub patches: u32,
     pub surfaces: usize,
     pub hemicubes: u64,
+    pub sources: u32,
+    pub vertices: u32,
+    /// Estimated, relative.
+    pub error: Errors,
     pub iterations: u64,
-    pub residual: f64,
-    pub closure: Option<Closure>,
-    /// Dimensionless, see [`compute::energy::Energy`].
-    pub imbalance: Option<f64>,
     pub drawing_secs: f64,
     pub total_secs: f64,
 }
 
-/// Keeps the solutions after iterations 1 and 2.
-#[derive(Default)]
-struct FirstTwo(Vec<Solution>);
-
-impl Observer for FirstTwo {
-    fn iteration(&mut self, iterations: u64, solution: &dyn Fn() -> Solution) {
-        if iterations <= 2 {
-            self.0.push(solution());
+/// The light after one bounce, two, and all.
+///
+/// # Errors
+/// A back end that cannot draw, and a scene without light.
+pub fn solve(
+    scene: &Scene,
+    resolution: Option<u32>,
+    backend: BackendChoice,
+) -> anyhow::Result<Steps> {
+    let solve = |iterations: Option<u64>| -> anyhow::Result<Solved> {
+        let mut settings = SolveSettings {
+            max_iterations: iterations,
+            ..Quality::Standard.settings()
+        };
+        settings.drawing.backend = backend;
+        if let Some(resolution) = resolution {
+            settings.solution.form_factors.resolution = resolution;
         }
-    }
-}
-
-/// Jacobi iterations until nothing changes.
-pub fn solve(scene: &Scene, resolution: u32, backend: BackendChoice) -> anyhow::Result<Steps> {
-    let start = Instant::now();
-    let settings = SolveSettings {
-        drawing: Drawing {
-            backend,
-            ..Drawing::default()
-        },
-        ..SolveSettings::default()
+        Ok(Solve::new(scene).settings(settings).run()?)
     };
-    let mut first = FirstTwo::default();
-    let solved: Solved = Solve::new(scene)
-        .settings(settings)
-        .resolution(resolution)
-        .observer(&mut first)
-        .run()?;
-    let provenance = &solved.solution().provenance;
+    let mut states = Vec::new();
+    for iterations in [1, 2] {
+        states.push(solve(Some(iterations))?.into_solution());
+    }
+    let start = Instant::now();
+    let solved = solve(None)?;
+    let function = solved
+        .function
+        .context("nothing was gathered between patches")?;
     let summary = Summary {
         patches: scene.patch_count(),
         surfaces: scene.surfaces().len(),
         hemicubes: solved.rows.hemicubes,
-        iterations: provenance.iterations,
-        residual: provenance.residuals.last().copied().unwrap_or(0.0),
-        closure: solved.closure,
-        imbalance: solved.energy.imbalance,
+        sources: solved
+            .sources
+            .map_or(scene.patch_count(), |sources| sources.count),
+        vertices: function.vertices,
+        error: function.error.context("light reaches nothing")?.total,
+        iterations: solved.solution().provenance.iterations,
         drawing_secs: solved.seconds.draw,
         total_secs: start.elapsed().as_secs_f64(),
     };
-    let mut states = first.0;
     states.push(solved.into_solution());
     Ok(Steps { states, summary })
 }

@@ -5,15 +5,16 @@ use crate::solve::Summary;
 /// One line a scene.
 pub fn format(results: &[(&str, Summary)]) -> String {
     let mut lines = vec![format!(
-        "{:10}{:>9}{:>10}{:>11}{:>12}{:>11}{:>20}{:>11}{:>10}{:>10}",
+        "{:10}{:>9}{:>10}{:>9}{:>11}{:>10}{:>12}{:>13}{:>15}{:>10}{:>9}",
         "scene",
         "patches",
         "surfaces",
+        "sources",
         "hemicubes",
+        "vertices",
         "iterations",
-        "residual",
-        "row sums",
-        "imbalance",
+        "power error",
+        "visible error",
         "drawing",
         "in all"
     )];
@@ -22,14 +23,17 @@ pub fn format(results: &[(&str, Summary)]) -> String {
 }
 
 fn line(name: &str, s: &Summary) -> String {
-    let closure = s
-        .closure
-        .map_or_else(String::new, |c| format!("{:.6}..{:.6}", c.min, c.max));
-    let imbalance = s
-        .imbalance
-        .map_or_else(String::new, |share| format!("{:.3} %", 100.0 * share));
     format!(
-        "{name:10}{:>9}{:>10}{:>11}{:>12}{:>11.2e}{closure:>20}{imbalance:>11}{:>8.2} s{:>8.2} s",
-        s.patches, s.surfaces, s.hemicubes, s.iterations, s.residual, s.drawing_secs, s.total_secs
+        "{name:10}{:>9}{:>10}{:>9}{:>11}{:>10}{:>12}{:>11.2} %{:>13.2} %{:>8.2} s{:>7.2} s",
+        s.patches,
+        s.surfaces,
+        s.sources,
+        s.hemicubes,
+        s.vertices,
+        s.iterations,
+        100.0 * s.error.power,
+        100.0 * s.error.visible,
+        s.drawing_secs,
+        s.total_secs
     )
 }

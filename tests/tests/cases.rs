@@ -20,6 +20,8 @@ fn solved(name: &str) -> TempDir {
         "a.rad",
         "a.rad",
         "32",
+        "--quality",
+        "mesh",
         "--backend",
         "cpu",
         "--report",

@@ -181,6 +181,8 @@ fn pictures_and_tables_show_the_function() {
             "in.rad",
             "b.rad",
             "32",
+            "--quality",
+            "mesh",
             "--points",
             "centroid",
             "--backend",

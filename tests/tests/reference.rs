@@ -45,6 +45,8 @@ impl Solved {
             "a.rad",
             "a.rad",
             "128",
+            "--quality",
+            "mesh",
             "--backend",
             "cpu",
             "--tolerance",

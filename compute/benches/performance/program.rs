@@ -89,6 +89,8 @@ impl Program {
             .args([scene, &out])
             .arg(pixels.to_string())
             .args([
+                "--quality",
+                "mesh",
                 "--backend",
                 "cpu",
                 "--time-limit",

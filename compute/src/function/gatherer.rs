@@ -7,7 +7,6 @@ use rayon::prelude::*;
 use scene::function::IrradianceFunction;
 use scene::{Rgb, Scene};
 
-use super::Receives;
 use super::lit_mesh::Means;
 use super::second_look::{Reflected, SecondLook, Within};
 use super::vertices::{Place, Places};
@@ -25,6 +24,9 @@ const BATCH: usize = 1 << 12;
 
 /// Pixels along a hemicube's face below which differences are noise themselves.
 const FEWEST_PIXELS: u32 = 16;
+
+/// The most by which what varies within a source is scaled to what it reflects.
+const MOST_SCALED: f32 = 2.0;
 
 /// What a place receives, W/m^2.
 #[derive(Clone, Copy, Debug)]
@@ -89,15 +91,17 @@ pub(super) struct Gatherer<'a, 'c> {
 }
 
 impl<'a, 'c> Gatherer<'a, 'c> {
-    /// From sources that receive this, W/m^2, one per source.
+    /// From sources that receive this, W/m^2, one per source. A back end is tried at the `first` places.
     pub fn new(
         form_factors: &FormFactors<'a>,
         sources: &Sources<'a>,
         irradiance: &[Rgb],
+        first: &[Place],
         cancel: &'c CancelToken,
     ) -> Result<Self, BackendError> {
         let settings = form_factors.settings();
         let places = Places::new(sources.patches(), sources.drawable(), settings.seed);
+        places.extend(first.iter().copied());
         let problem = Problem::new(sources.scene());
         Ok(Self {
             radiosity: radiosities(&problem, irradiance),
@@ -105,8 +109,8 @@ impl<'a, 'c> Gatherer<'a, 'c> {
             backend: form_factors.at(Box::new(places.clone()), sources.clone())?,
             sources: sources.clone(),
             settings,
+            done: places.count(),
             places,
-            done: 0,
             kept: Kept::default(),
             most_kept_bytes: form_factors.memory_bytes(),
             within: None,
@@ -230,10 +234,7 @@ impl<'a, 'c> Gatherer<'a, 'c> {
     ) -> Option<Vec<Look>> {
         let resolution = self.settings.resolution;
         let reflected = self.reflected();
-        let now = Within {
-            means: self.means(&reflected, means),
-            function,
-        };
+        let now = self.within(function, means);
         let now = self.look(&now, &reflected, places, resolution)?;
         let before = match &self.within {
             Some(within) => self.look(within, &reflected, places, resolution)?,
@@ -250,10 +251,7 @@ impl<'a, 'c> Gatherer<'a, 'c> {
     /// From now on sources are within what this function is, of which they have these means; tells what kept places receive.
     /// `None` where it is cancelled.
     pub fn refine(&mut self, function: IrradianceFunction, means: &[Means]) -> Option<&[Light]> {
-        self.within = Some(Within {
-            means: self.means(&self.reflected(), means),
-            function,
-        });
+        self.within = Some(self.within(function, means));
         let corrections = self.corrections(&self.kept.places)?;
         for (light, correction) in self.kept.lights.iter_mut().zip(corrections) {
             light.correction = correction;
@@ -270,23 +268,27 @@ impl<'a, 'c> Gatherer<'a, 'c> {
         Some(looks.into_iter().map(|look| look.within).collect())
     }
 
-    /// What sources reflect on the mean by a function, W/m^2, one per source, less by what that would be if it were known better
-    /// and they sent it out.
-    fn means(&self, reflected: &[Rgb], means: &[Means]) -> Vec<Rgb> {
-        let rho = self.problem.reflectance.iter().map(|rho| rho.as_dvec3());
-        let sources = means.iter().zip(reflected).zip(rho);
-        let mean = |((means, &reflected), rho): ((&Means, &Rgb), DVec3)| match *means {
-            Means { linear: None, .. } => reflected,
-            Means {
-                linear: Some(linear),
-                receives: Receives::OnTheMean(mean),
-            } => (reflected.as_dvec3() + rho * (linear - mean)).as_vec3(),
-            Means {
-                linear: Some(linear),
-                ..
-            } => (rho * linear).as_vec3(),
+    /// What sources are like within by a function of which they have these means.
+    fn within(&self, function: IrradianceFunction, means: &[Means]) -> Within {
+        let reflected = self.reflected();
+        let by_function: Vec<Rgb> = means
+            .iter()
+            .zip(&self.problem.reflectance)
+            .zip(&reflected)
+            .map(|((means, &rho), &reflected)| {
+                let linear = means.linear.map(DVec3::as_vec3);
+                linear.map_or(reflected, |linear| rho * linear)
+            })
+            .collect();
+        let scale = |(&does, &would): (&Rgb, &Rgb)| {
+            let scale = (does / would).min(Rgb::splat(MOST_SCALED));
+            Rgb::select(would.cmpgt(Rgb::ZERO), scale, Rgb::ZERO)
         };
-        sources.map(mean).collect()
+        Within {
+            scales: reflected.iter().zip(&by_function).map(scale).collect(),
+            means: by_function,
+            function,
+        }
     }
 
     /// What sources reflect, W/m^2, one per source.

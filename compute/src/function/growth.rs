@@ -173,7 +173,8 @@ impl<'s> Growth<'s> {
         let found = [mesh.power.powi(2), mesh.visible.powi(2)];
         let vertices = self.lit.mesh().vertex_count();
         let (least, at) = self.least;
-        let falls = |t: usize| self.asked[t].is_finite() && found[t] < BETTER * least[t];
+        // What is small enough already may fall for ever.
+        let falls = |t: usize| found[t] > self.asked[t] && found[t] < BETTER * least[t];
         if falls(0) || falls(1) {
             self.least = (found, vertices);
             self.since = 0;

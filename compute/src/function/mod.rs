@@ -84,10 +84,13 @@ const LOOK_EVERY: usize = 4;
 pub struct Order<'o> {
     /// What is asked for.
     pub target: Target,
-    /// How far the solution is from where its solver goes, relative.
-    pub iterations: f64,
+    /// How far the solution is from where its solver goes, relative; `None` where nobody knows.
+    pub iterations: Option<f64>,
     /// Which surfaces light can reach.
     pub is_lit: &'o dyn Fn(SurfaceId) -> bool,
+    /// Whether patches without vertices gather, too, though they have what they received among sources: where the solution is not
+    /// what they would gather from it.
+    pub all_gather: bool,
     /// Whether the time is over after so much more of it.
     pub is_late: &'o dyn Fn(Duration) -> bool,
     /// Stops it.
@@ -136,7 +139,8 @@ pub struct Gathered {
 }
 
 /// Gathers the function of a solution among `sources`, with as many vertices as the target asks for, or as there is time for.
-/// `irradiance` is what sources receive, W/m^2. `None` where it is cancelled.
+/// `irradiance` is what sources receive, W/m^2. Now and then it is told how many vertices there are, and the estimated error, once it
+/// is known. `None` where it is cancelled.
 ///
 /// # Errors
 /// A back end that does not open or cannot go on, and values that no f32 holds.
@@ -146,18 +150,22 @@ pub fn gather<'a>(
     irradiance: &[Rgb],
     order: &Order,
     resolve: &mut dyn Resolve,
+    tell: &mut dyn FnMut(u32, Option<Errors>),
 ) -> Result<Option<Gathered>, FunctionFault> {
     let scene = sources.patches();
     let mesh = first_mesh(scene, sources.drawable(), order.is_lit);
-    let smaller = smaller_than_sources(sources, &mesh, order.is_lit);
+    let gathering = gathering_patches(sources, &mesh, order);
+    let vertices = (0..mesh.vertex_count()).map(VertexId);
+    let first: Vec<Place> = vertices.map(|vertex| place(&mesh, vertex)).collect();
     let mut making = Making {
         scene,
         growth: Growth::new(LitMesh::new(scene, mesh), order.target),
-        gatherer: Gatherer::new(form_factors, sources, irradiance, order.cancel)?,
+        gatherer: Gatherer::new(form_factors, sources, irradiance, &first, order.cancel)?,
         order,
         resolve,
+        tell,
         patches: sources.prolonged(irradiance),
-        smaller,
+        gathering,
     };
     let Some(report) = making.run()? else {
         return Ok(None);
@@ -177,10 +185,11 @@ struct Making<'m, 'a> {
     gatherer: Gatherer<'a, 'm>,
     order: &'m Order<'m>,
     resolve: &'m mut dyn Resolve,
+    tell: &'m mut dyn FnMut(u32, Option<Errors>),
     /// What patches receive, W/m^2, one per patch.
     patches: Vec<Rgb>,
     /// Those that have gathered themselves, before all vertices.
-    smaller: Vec<PatchId>,
+    gathering: Vec<PatchId>,
 }
 
 impl Making<'_, '_> {
@@ -189,8 +198,9 @@ impl Making<'_, '_> {
             return Ok(None);
         };
         self.light_patches(&lights);
-        let iterations = Errors::splat(self.order.iterations);
+        let iterations = Errors::splat(self.order.iterations.unwrap_or(0.0));
         let mut can_grow = true;
+        let mut known = None;
         // What the next round is likely to take.
         let mut next = Duration::ZERO;
         loop {
@@ -203,6 +213,7 @@ impl Making<'_, '_> {
                 return Ok(None);
             };
             self.growth.take(lights);
+            (self.tell)(self.growth.lit().mesh().vertex_count(), known);
             let is_late = (self.order.is_late)(next);
             let is_last = self.growth.is_full() || is_late || !can_grow;
             if is_last || self.growth.wants_checks() {
@@ -223,6 +234,7 @@ impl Making<'_, '_> {
                     sample = others;
                     error = self.growth.judge(&sample, iterations);
                 }
+                known = Some(error.total).filter(|_| self.order.iterations.is_some());
                 let can_refine = !is_last && !self.gatherer.is_refined();
                 self.growth.ask(&error, can_refine);
                 if can_refine
@@ -273,7 +285,7 @@ impl Making<'_, '_> {
         stopped_by: FunctionEnd,
     ) -> Result<(IrradianceFunction, FunctionReport), SceneError> {
         let patch_errors = self.growth.patch_errors(error);
-        let is_known = checks > 0;
+        let is_known = checks > 0 && self.order.iterations.is_some();
         let mesh = self.growth.lit().mesh();
         let report = FunctionReport {
             vertices: mesh.vertex_count(),
@@ -281,7 +293,7 @@ impl Making<'_, '_> {
             covered: self.growth.lit().area() / self.scene.area(),
             checks,
             error: is_known.then_some(*error),
-            is_reached: self.growth.is_reached(error.total),
+            is_reached: is_known && self.growth.is_reached(error.total),
             stopped_by,
             mostly_by: is_known.then(|| error.worst(&self.order.target)),
             mostly_on: report::worst_object(self.scene, &patch_errors),
@@ -327,13 +339,13 @@ impl Making<'_, '_> {
                 barycentric: (a + b + c) / 3.0,
             }
         };
-        let places: Vec<Place> = self.smaller.iter().map(middle).collect();
+        let places: Vec<Place> = self.gathering.iter().map(middle).collect();
         self.gatherer.gather_and_keep(&places)
     }
 
     /// Gives patches their light: those that have gathered themselves this, W/m^2.
     fn light_patches(&mut self, gathered: &[Light]) {
-        for (patch, light) in self.smaller.iter().zip(gathered) {
+        for (patch, light) in self.gathering.iter().zip(gathered) {
             self.patches[patch.index()] = light.irradiance().as_vec3();
         }
         self.growth.light_patches(&self.patches, self.order.is_lit);
@@ -357,7 +369,7 @@ impl Making<'_, '_> {
 
     /// Gives all places that are kept another light: first patches, then vertices.
     fn renew(&mut self, lights: &[Light]) {
-        let (of_patches, of_vertices) = lights.split_at(self.smaller.len());
+        let (of_patches, of_vertices) = lights.split_at(self.gathering.len());
         self.growth.renew(of_vertices);
         self.light_patches(of_patches);
     }
@@ -383,19 +395,16 @@ fn first_mesh(
     }
 }
 
-/// Patches that light can reach and that have no vertices, but are smaller than their sources.
-fn smaller_than_sources(
-    sources: &Sources,
-    mesh: &Refinement,
-    is_lit: &dyn Fn(SurfaceId) -> bool,
-) -> Vec<PatchId> {
+/// Patches that light can reach and that have no vertices, but are smaller than their sources, or all of them.
+fn gathering_patches(sources: &Sources, mesh: &Refinement, order: &Order) -> Vec<PatchId> {
     let scene = sources.patches();
     let trees = (0..).map(SurfaceId).zip(scene.mesh().trees());
     let coarse = sources.scene().mesh();
-    let smaller = trees.filter(|&(surface, tree)| {
-        tree.depth > coarse.tree(surface).depth && !mesh.has_vertices(surface) && is_lit(surface)
+    let gathering = trees.filter(|&(surface, tree)| {
+        let is_finer = tree.depth > coarse.tree(surface).depth;
+        (is_finer || order.all_gather) && !mesh.has_vertices(surface) && (order.is_lit)(surface)
     });
-    let patches = smaller.flat_map(|(_, tree)| tree.patches().map(PatchId));
+    let patches = gathering.flat_map(|(_, tree)| tree.patches().map(PatchId));
     patches.collect()
 }
 

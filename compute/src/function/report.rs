@@ -37,13 +37,13 @@ pub struct FunctionReport {
     pub covered: f64,
     /// Points at which it was checked.
     pub checks: u32,
-    /// Estimates of its error, by cause; null where light reaches nothing.
+    /// Estimates of its error, by cause; null where light reaches nothing, and after too few iterations.
     pub error: Option<ErrorByCause>,
     /// Whether that is as small as was asked for.
     pub is_reached: bool,
     /// Why there are no more vertices.
     pub stopped_by: FunctionEnd,
-    /// The cause that has most of the error, of the power error where that is asked for; left out where light reaches nothing.
+    /// The cause that has most of the error, of the power error where that is asked for; left out where it is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mostly_by: Option<Cause>,
     /// The object that has most of the estimated error; null where there is none.
@@ -150,7 +150,14 @@ impl FunctionReport {
     /// A line for people about the function of this scene.
     pub fn describe(&self, scene: &Scene) -> String {
         let Some(error) = &self.error else {
-            return "none: light reaches nothing that reflects it".into();
+            return if self.checks > 0 {
+                format!(
+                    "unknown, since so few iterations do not tell what is left; {} vertices",
+                    self.vertices
+                )
+            } else {
+                "none: light reaches nothing that reflects it".into()
+            };
         };
         let Errors { power, visible } = error.total;
         let mut line = format!(

@@ -34,8 +34,10 @@ pub(super) struct SecondLook<'l, 'a> {
 #[derive(Clone, Debug)]
 pub(super) struct Within {
     pub function: IrradianceFunction,
-    /// What of each source's reflected radiosity is one value, W/m^2: the function's mean.
+    /// What each source would reflect on the mean by it, W/m^2.
     pub means: Vec<Rgb>,
+    /// What it does over that, dimensionless: less where light is to be reflected a few times only.
+    pub scales: Vec<Rgb>,
 }
 
 /// Irradiance from reflected light at a place, W/m^2.
@@ -97,13 +99,17 @@ impl SecondLook<'_, '_> {
                         let factor = f64::from(factors[i]);
                         let by_source = self.reflected[source.index()];
                         sums.by_sources += factor * by_source.as_dvec3();
-                        let Within { function, means } = self.within;
+                        let Within {
+                            function,
+                            means,
+                            scales,
+                        } = self.within;
                         let values = function.irradiance();
                         let material = scene.material(scene.surface(surface).material);
                         if let Some(irradiance) = function.interpolate(values, surface, barycentric)
                         {
                             let more = material.reflectance * irradiance - means[source.index()];
-                            sums.within += factor * more.as_dvec3();
+                            sums.within += factor * (scales[source.index()] * more).as_dvec3();
                         }
                     });
                 }

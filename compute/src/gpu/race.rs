@@ -36,7 +36,8 @@ pub fn fastest(
     let resolution = drawer.layout().resolution;
     let surfaces = hemicubes.sources().scene().surfaces().len() as u64;
     let tests = pixel_count(resolution) as u64 * surfaces;
-    if offered.len() == 1 || resolution.pow(2) > MOST_PIXELS || tests > MOST_TESTS {
+    let is_any = hemicubes.receivers().count() > 0;
+    if offered.len() == 1 || !is_any || resolution.pow(2) > MOST_PIXELS || tests > MOST_TESTS {
         return Ok(offered[0]);
     }
     // The first drawing is not timed: drivers put some things off until then.

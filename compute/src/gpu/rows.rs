@@ -227,7 +227,7 @@ impl RowSource for GpuRows<'_> {
     /// from small as the adapter turns out to be fast.
     fn preferred_batch(&self) -> u32 {
         let rows = u64::from(self.hemicubes.receivers().count().max(1));
-        let hemicubes_per_row = self.hemicubes.total().div_ceil(rows) as u32;
+        let hemicubes_per_row = self.hemicubes.total().div_ceil(rows).max(1) as u32;
         let per_submission = (self.pace.tiles() / (TILES_PER_HEMICUBE as u32 * hemicubes_per_row))
             .clamp(1, self.merger.max_rows());
         SUBMISSIONS_PER_BATCH * per_submission

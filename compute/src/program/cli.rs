@@ -2,7 +2,6 @@
 
 mod form_factors;
 mod gather;
-mod quality;
 mod target_error;
 mod verify;
 
@@ -16,13 +15,12 @@ use scene::file::is_same_file;
 use visibility::hemicube::MAX_RESOLUTION;
 
 use self::form_factors::FormFactorArguments;
-use self::quality::Quality;
 use self::target_error::TargetError;
 use super::{Settings, Task};
 use crate::quantity::{parse_duration, parse_size};
 use crate::row_file::path_beside;
 use crate::settings::{
-    BackendChoice, Drawing, SolutionSettings, SolveSettings, SolverChoice, SourceArea,
+    BackendChoice, Drawing, Quality, SolutionSettings, SolveSettings, SolverChoice, SourceArea,
 };
 
 /// Solves a scene by hemicube radiosity.
@@ -76,12 +74,12 @@ struct Arguments {
     /// percent allows), or A
     #[arg(long, default_value = "auto", value_name = "A")]
     source_area: SourceArea,
-    /// Gather the light between patches too, at the vertices of a mesh that grows where light varies, until its error is at
-    /// most this: 2% of the power, 4%visible of what is visible, or both, as in 2%,4%visible. RESOLUTION is then 32
-    /// and --points centroid unless they are given
+    /// How wrong the light may be: 2% of the power, 4%visible of what is visible, or both, as in 2%,4%visible. It is gathered
+    /// at the vertices of a mesh that grows where light varies, whatever the patches, until its estimated error is no larger
     #[arg(long, value_name = "ERROR")]
     target_error: Option<TargetError>,
-    /// How good the result is to be [default: mesh]
+    /// How good the result is to be [default: standard; mesh where nothing emits, and with --form-factors, --view-factors or
+    /// --iterations 0]
     #[arg(long, value_enum, conflicts_with = "target_error")]
     quality: Option<Quality>,
     /// Stop after N iterations, those that IN has had included
@@ -127,10 +125,12 @@ struct Arguments {
 
 const EXAMPLES: &str = "\
 Examples:
-  compute scene.rad solved.rad                   solve at 128 pixels to a residual of 1e-5
-  compute scene.rad solved.rad 256 --points 4    finer: four hemicubes of 256 pixels a patch
+  compute scene.rad solved.rad                   the light everywhere, to 2 % of its power and 5 % of what is visible
+  compute scene.rad solved.rad --quality high    to 1 % and 3 %
+  compute scene.rad solved.rad --quality mesh 256 --points 4
+                                                 one value a patch, by four hemicubes of 256 pixels
   compute solved.rad solved.rad --tolerance 1e-7 go on with a result
-  compute scene.rad out.rad 100 --iterations 7   as the thesis measured
+  compute scene.rad out.rad --quality thesis     as the thesis measured
   compute gather solved.rad --sensors points.csv --out values.csv
                                                  irradiance at points of one's own
   compute verify                                 how far off this program is where answers are known
@@ -184,48 +184,33 @@ pub fn parse() -> Task {
 }
 
 fn settings(arguments: Arguments) -> Settings {
-    let quality = arguments.quality;
-    let target = match arguments.target_error {
-        Some(error) => Some(error.target()),
-        None => quality.and_then(Quality::target),
+    let asks_for_form_factors = arguments.form_factors.is_some()
+        || arguments.view_factors.is_some()
+        || arguments.iterations == Some(0);
+    let quality = match (arguments.quality, &arguments.target_error) {
+        (Some(quality), _) => quality,
+        (None, None) if asks_for_form_factors => Quality::Mesh,
+        (None, _) => Quality::default(),
     };
-    let iterations = quality.and_then(Quality::iterations);
-    // Iterations that a quality counts are done, all of them.
-    let tolerance = if iterations.is_some() {
-        0.0
-    } else {
-        SolveSettings::default().tolerance
-    };
+    let mut solve = arguments.solve_settings(quality);
+    if let Some(error) = arguments.target_error {
+        solve.target = Some(error.target());
+    }
     Settings {
-        input: arguments.input,
-        output: arguments.output,
-        solve: SolveSettings {
-            solution: SolutionSettings {
-                form_factors: arguments
-                    .form_factor_settings
-                    .settings(quality::form_factors(quality, target.is_some())),
-                source_area: arguments.source_area,
-                solver: arguments.solver,
-            },
-            drawing: Drawing {
-                backend: arguments.backend,
-                is_gpu_tried: true,
-                memory_bytes: arguments.memory,
-            },
-            max_iterations: arguments.iterations.or(iterations),
-            tolerance: arguments.tolerance.unwrap_or(tolerance),
-            time_limit: arguments.time_limit,
-            checkpoint_every: arguments.checkpoint_every,
-            all_rows: arguments.strict,
-            target,
+        solve,
+        solve_without_light: match quality {
+            Quality::Thesis => solve,
+            _ => arguments.solve_settings(Quality::Mesh),
         },
         threads: arguments.threads.map(usize::from),
         rows_file_limit: arguments.rows_file_limit,
         keep_rows: arguments.keep_rows,
+        strict: arguments.strict,
+        input: arguments.input,
+        output: arguments.output,
         report: arguments.report,
         form_factors_csv: arguments.form_factors,
         view_factors_csv: arguments.view_factors,
-        strict: arguments.strict,
     }
 }
 
@@ -239,6 +224,31 @@ pub fn backend_parser() -> impl TypedValueParser<Value = BackendChoice> {
 }
 
 impl Arguments {
+    /// What is asked for, and what is not as in a quality.
+    fn solve_settings(&self, quality: Quality) -> SolveSettings {
+        let defaults = quality.settings();
+        SolveSettings {
+            solution: SolutionSettings {
+                form_factors: self
+                    .form_factor_settings
+                    .settings(defaults.solution.form_factors),
+                source_area: self.source_area,
+                solver: self.solver,
+            },
+            drawing: Drawing {
+                backend: self.backend,
+                is_gpu_tried: true,
+                memory_bytes: self.memory,
+            },
+            max_iterations: self.iterations.or(defaults.max_iterations),
+            tolerance: self.tolerance.unwrap_or(defaults.tolerance),
+            time_limit: self.time_limit,
+            checkpoint_every: self.checkpoint_every,
+            all_rows: self.strict,
+            target: defaults.target,
+        }
+    }
+
     /// Only OUT may be another file too, namely IN.
     fn check_files(&self) -> Result<(), String> {
         let rows = path_beside(&self.output);

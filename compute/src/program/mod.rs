@@ -53,6 +53,8 @@ pub struct Settings {
     pub output: PathBuf,
     /// How it is solved.
     pub solve: SolveSettings,
+    /// The same where nothing emits, so that form factors are all there is.
+    pub solve_without_light: SolveSettings,
     /// Threads of the CPU; `None`: one for each core.
     pub threads: Option<usize>,
     /// What rows of form factors may take in a file beside the output, bytes.

@@ -1,5 +1,6 @@
 //! What a user sees on the way: a bar on a terminal, now and then a line elsewhere.
 
+use std::fmt::Write as _;
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
@@ -7,6 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use scene::Solution;
 
+use crate::function::Errors;
 use crate::quantity::show_duration;
 use crate::solve::Position;
 
@@ -160,6 +162,27 @@ impl Progress {
         };
         let seconds = rest + whole * iterations_after.max(0.0) + after;
         Duration::try_from_secs_f64(seconds).ok()
+    }
+
+    /// Shows how far an irradiance function is: its vertices, and its estimated error once it is known.
+    pub fn show_function(&mut self, vertices: u32, error: Option<Errors>) {
+        let mut message = format!("light gathers at {vertices} vertices");
+        if let Some(Errors { power, visible }) = error {
+            let [power, visible] = [power, visible].map(|error| 100.0 * error);
+            write!(
+                message,
+                ", error {power:.2} % power, {visible:.2} % visible"
+            )
+            .ok();
+        }
+        write!(message, ", {}", show_duration(self.start.elapsed())).ok();
+        if let Some(bar) = &self.bar {
+            bar.set_position(0);
+            bar.set_message(message);
+        } else if self.last_line.elapsed() >= LINE_EVERY {
+            self.last_line = Instant::now();
+            eprintln!("compute: {message}");
+        }
     }
 
     /// Says something without disturbing the bar.

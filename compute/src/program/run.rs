@@ -6,12 +6,13 @@ use std::time::Instant;
 
 use anyhow::Context;
 use scene::file::{self, FileError, FileFault, OutputLock};
-use scene::{Scene, Solution};
+use scene::{Rgb, Scene, Solution};
 
 use super::Settings;
 use super::progress::Progress;
 use crate::cancel::CancelToken;
 use crate::form_factors::{FormFactors, Levels, Needed};
+use crate::function::Errors;
 use crate::report::{Files, Report};
 use crate::row_cache::RowCache;
 use crate::row_file::{self, RowFileError, RowFileRemark, RowFiles};
@@ -52,6 +53,7 @@ fn solve_and_report(settings: &Settings, cancel: &CancelToken) -> anyhow::Result
         settings.solve.checkpoint_every,
     );
     let (scene, before) = file::load(&settings.input)?;
+    let settings = &of_scene(settings, &scene, before.as_ref());
     let load = start.elapsed();
     let rows = match write_factors(
         settings,
@@ -112,6 +114,16 @@ fn solve_and_report(settings: &Settings, cancel: &CancelToken) -> anyhow::Result
         write_report(path, &report)?;
     }
     Ok(report)
+}
+
+/// What is asked of a scene: where it has no light, and has had none, form factors are all there is.
+fn of_scene(settings: &Settings, scene: &Scene, before: Option<&Solution>) -> Settings {
+    let mut settings = settings.clone();
+    let is_dark = |before: &Solution| before.irradiance.iter().all(|&h| h == Rgb::ZERO);
+    if scene.emitted_power().max_element() == 0.0 && before.is_none_or(is_dark) {
+        settings.solve = settings.solve_without_light;
+    }
+    settings
 }
 
 /// Writes the form factors and the view factors between patches that were asked for. The rows are handed back where the
@@ -244,6 +256,10 @@ struct Watch<'a> {
 impl Observer for Watch<'_> {
     fn progress(&mut self, position: &Position) {
         self.progress.show(position);
+    }
+
+    fn function(&mut self, vertices: u32, error: Option<Errors>) {
+        self.progress.show_function(vertices, error);
     }
 
     fn remark(&mut self, remark: &Remark) {

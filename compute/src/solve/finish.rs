@@ -7,7 +7,7 @@ use super::levels::irradiances;
 use super::{Run, SolveError, SolveFault, Solved, SourcesReport, StoppedBy};
 use crate::certificate::{self, Certificate, Known};
 use crate::energy::{self, Closure, Energy};
-use crate::function::{self, FunctionFault, Gathered, Order};
+use crate::function::{self, FunctionFault, Gathered, Order, Resolve};
 use crate::problem::Problem;
 use crate::row_cache::{RowCache, RowStatistics};
 use crate::settings::Target;
@@ -68,6 +68,10 @@ impl<'a> Run<'a, '_> {
                     solution.irradiance = gathered.irradiance;
                     solution.state = State::AtRest;
                     solution.function = Some(gathered.function);
+                    let iterations = &mut solution.provenance.iterations;
+                    if self.settings.max_iterations == Some(*iterations + 1) && !is_converged {
+                        *iterations += 1;
+                    }
                     function = Some(gathered.report);
                 }
                 Ok(None) => stopped_by = StoppedBy::Interrupt,
@@ -155,7 +159,7 @@ impl<'a> Run<'a, '_> {
 
     /// The irradiance function of a solution whose rows these are. `None` where it is cancelled.
     fn function<'s>(
-        &self,
+        &mut self,
         rows: &mut RowCache<'s>,
         solution: &Solution,
         target: Target,
@@ -171,32 +175,44 @@ impl<'a> Run<'a, '_> {
             patches.any(|patch| !unlit[patch as usize])
         };
         let limit = self.settings.time_limit;
-        let is_late = |more| limit.is_some_and(|limit| self.start.elapsed() + more >= limit);
+        let start = self.start;
+        let is_late = |more| limit.is_some_and(|limit| start.elapsed() + more >= limit);
+        let observer = &mut *self.observer;
+        let mut tell = |vertices, error| observer.function(vertices, error);
         let residuals = &solution.provenance.residuals;
         let convergence = Convergence::new(self.settings.solution.solver, residuals);
-        // After the first iteration nothing is known.
-        let iterations = convergence.map_or(1.0, |convergence| convergence.estimated_error);
+        let iterations = match convergence {
+            Some(convergence) => Some(convergence.estimated_error),
+            // Nothing has changed.
+            None if residuals.last() == Some(&0.0) => Some(0.0),
+            None => None,
+        };
         let order = Order {
             target,
             iterations,
             is_lit: &is_lit,
             is_late: &is_late,
+            all_gather: !is_converged,
             cancel: &self.cancel,
         };
         let sources = Sources::drawn_as(self.scene, rows.sources().drawable());
         let irradiance = sources.restricted(&solution.irradiance);
         let form_factors = self.form_factors.of_scene(self.scene);
-        if is_converged && rows.sources().are_patches() {
-            let mut resolve = Corrected::new(rows, irradiance.clone(), self.settings.tolerance);
-            function::gather(&form_factors, &sources, &irradiance, &order, &mut resolve)
+        let tolerance = self.settings.tolerance;
+        let mut corrected;
+        let resolve: &mut dyn Resolve = if is_converged && rows.sources().are_patches() {
+            corrected = Corrected::new(rows, irradiance.clone(), tolerance);
+            &mut corrected
         } else {
-            function::gather(
-                &form_factors,
-                &sources,
-                &irradiance,
-                &order,
-                &mut Uncorrected,
-            )
-        }
+            &mut Uncorrected
+        };
+        function::gather(
+            &form_factors,
+            &sources,
+            &irradiance,
+            &order,
+            resolve,
+            &mut tell,
+        )
     }
 }

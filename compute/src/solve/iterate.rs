@@ -63,7 +63,7 @@ impl Run<'_, '_> {
                 if solver.residual().is_some_and(|r| r <= settings.tolerance) {
                     return Ok(StoppedBy::Tolerance);
                 }
-                let most = settings.max_iterations;
+                let most = self.solver_iterations();
                 if most.is_some_and(|most| solver.iterations() >= most) {
                     return Ok(StoppedBy::Iterations);
                 }
@@ -108,6 +108,13 @@ impl Run<'_, '_> {
                 last_checkpoint = Instant::now();
             }
         }
+    }
+
+    /// The iterations that a solver does: where a function is asked for, its gathering is the last one.
+    pub(super) fn solver_iterations(&self) -> Option<u64> {
+        let most = self.settings.max_iterations;
+        let gatherings = u64::from(self.settings.target.is_some());
+        most.map(|most| most.saturating_sub(gatherings))
     }
 
     /// Hands out what there is, and keeps the rows that it came from.

@@ -137,7 +137,8 @@ pub struct Solved {
 }
 
 impl<'a> Solve<'a> {
-    /// A scene, to be solved as the program `compute` does by default.
+    /// A scene, to be solved among its patches, as the program `compute` does by `--quality mesh`; see
+    /// [`Quality::settings`](crate::settings::Quality::settings) for others.
     pub fn new(scene: &'a Scene) -> Self {
         Self {
             scene,

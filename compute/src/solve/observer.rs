@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use scene::Solution;
 
+use crate::function::Errors;
 use crate::quantity::show_size;
 use crate::row_file::RowFileRemark;
 
@@ -12,6 +13,9 @@ use crate::row_file::RowFileRemark;
 pub trait Observer {
     /// Where the run is; after each short piece of work.
     fn progress(&mut self, _position: &Position) {}
+
+    /// An irradiance function is gathered: at how many vertices so far, and its estimated error, once it is known.
+    fn function(&mut self, _vertices: u32, _error: Option<Errors>) {}
 
     /// Something that a user should know.
     fn remark(&mut self, _remark: &Remark) {}

@@ -37,7 +37,7 @@ pub fn load(folder: &Path, name: &str) -> Solution {
     scene::file::load(&folder.join(name)).unwrap().1.unwrap()
 }
 
-/// The program, in a folder, on the cpu unless the arguments say otherwise.
+/// The program, in a folder, on the cpu and by one value a patch unless the arguments say otherwise.
 pub fn program(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_compute"));
     command.args(arguments).current_dir(folder);
@@ -47,6 +47,11 @@ pub fn program(folder: &Path, arguments: &[&str]) -> Command {
     }
     if !arguments.contains(&"--backend") && arguments.len() > 1 {
         command.args(["--backend", "cpu"]);
+    }
+    let solves = arguments.len() > 1 && !["gather", "verify"].contains(&arguments[0]);
+    let asks = |option: &&str| ["--quality", "--target-error"].contains(option);
+    if solves && !arguments.iter().any(asks) {
+        command.args(["--quality", "mesh"]);
     }
     command
 }

@@ -157,9 +157,8 @@ fn the_program_solves_the_darkest_and_the_brightest() {
                 let undrawn = factor == 0.0
                     && (["/closure", "/back_face_share", "/rows/bytes_per_entry"].contains(&path)
                         || path.starts_with("/certificate"));
-                // Nor has it a function where none is asked for, or an error of one where light reaches nothing.
-                let no_function = more.is_empty() && path == "/function"
-                    || factor == 0.0 && path == "/function/error";
+                // Nor has it a function where none is asked for or nothing emits.
+                let no_function = (more.is_empty() || factor == 0.0) && path == "/function";
                 undrawn || unset || shots || nothing || no_function
             });
         }

@@ -8,7 +8,7 @@ use crate::settings::{ClosedForms, FormFactorSettings, LampViews, Maps, Points, 
 /// RESOLUTION, and where hemicubes stand and what they count.
 #[derive(Debug, Args)]
 pub(super) struct FormFactorArguments {
-    /// Pixels along a hemicube's face: even, 2 to 4096 [default: 128]
+    /// Pixels along a hemicube's face: even, 2 to 4096 [default: 128; 32 where vertices gather]
     #[arg(value_name = "RESOLUTION", value_parser = parse_resolution)]
     resolution: Option<u32>,
     /// What the pixels count: exact integrals, or the thesis's multipliers for comparison [default: exact]
@@ -16,7 +16,7 @@ pub(super) struct FormFactorArguments {
     maps: Option<Maps>,
     /// Where a patch's hemicubes stand: auto (one, or three and more where other surfaces are near),
     /// centroid, vertices, or N points of equal weight: 1, 2, 4 ... 1024 centroids of equal areas, or 3,
-    /// 6, 12 ... 3072 by a rule of higher order [default: auto]
+    /// 6, 12 ... 3072 by a rule of higher order [default: auto; centroid where vertices gather]
     #[arg(long)]
     points: Option<Points>,
     /// Hemicubes are turned about their normals, each by its own angle: a number picks the angles, "aligned"
@@ -36,7 +36,7 @@ pub(super) struct FormFactorArguments {
 
 impl FormFactorArguments {
     /// What is asked for, and what is not as in the defaults.
-    pub fn settings(self, defaults: FormFactorSettings) -> FormFactorSettings {
+    pub fn settings(&self, defaults: FormFactorSettings) -> FormFactorSettings {
         FormFactorSettings {
             resolution: self.resolution.unwrap_or(defaults.resolution),
             maps: self.maps.unwrap_or(defaults.maps),

@@ -11,17 +11,10 @@ pub(super) struct TargetError {
     visible: Option<f64>,
 }
 
-/// The most vertices, for the sake of memory: with four nodes, six edges and its light each takes some 540 bytes.
-pub(super) const MOST_VERTICES: u32 = 1 << 22;
-
 impl TargetError {
     /// What a run is asked for.
     pub fn target(self) -> Target {
-        Target {
-            power: self.power,
-            visible: self.visible,
-            most_vertices: MOST_VERTICES,
-        }
+        Target::of(self.power, self.visible)
     }
 }
 
