@@ -15,14 +15,15 @@
 
 use std::sync::Arc;
 
-use scene::{Scene, Solution};
+use scene::{PatchId, Scene, Solution};
+use visibility::hemicube::MAX_RESOLUTION;
 
 use crate::backend::{self, Backend, Drawer, RowOrigin};
 use crate::cancel::CancelToken;
 use crate::convex::ConvexRows;
 use crate::hemicubes::Hemicubes;
 use crate::lamps::with_lamps;
-use crate::receivers::Receivers;
+use crate::receivers::{Closer, Patches, Receivers};
 use crate::row_cache::RowCache;
 use crate::row_file::{Identity, RowFiles, StoredRows};
 use crate::rows::{BackendError, RowSource};
@@ -292,6 +293,30 @@ impl<'a> FormFactors<'a> {
         sources: Sources<'a>,
     ) -> Result<Backend<'a>, BackendError> {
         self.open(&Arc::new(Hemicubes::at(receivers, sources, self.settings)))
+    }
+
+    /// The rows of some patches, more closely: by hemicubes of twice the resolution, at several times as many points, turned
+    /// otherwise. What the usual rows are off by shows in the difference.
+    ///
+    /// # Errors
+    /// As [`Self::rows`].
+    pub fn closer(&self, chosen: Vec<PatchId>) -> Result<Backend<'a>, BackendError> {
+        let FormFactorSettings {
+            resolution,
+            points,
+            seed,
+            ..
+        } = self.settings;
+        let sources = Sources::patches_of(self.scene);
+        let patches = Patches::new(self.scene, sources.drawable(), points, seed);
+        let closer = Self {
+            settings: FormFactorSettings {
+                resolution: (2 * resolution).min(MAX_RESOLUTION as u32),
+                ..self.settings
+            },
+            ..self.clone()
+        };
+        closer.at(Box::new(Closer::new(patches, chosen)), sources)
     }
 
     /// The rows of patches as formulas, where they can be had and are wanted.

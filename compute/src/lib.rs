@@ -20,6 +20,7 @@ pub mod backend;
 pub mod cancel;
 pub mod certificate;
 pub mod compact_rows;
+pub mod compare;
 pub mod convex;
 pub mod cpu;
 pub mod delta_form_factors;

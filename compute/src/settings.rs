@@ -112,6 +112,16 @@ impl std::fmt::Display for Seed {
     }
 }
 
+impl Seed {
+    /// Other angles.
+    pub(crate) fn otherwise(self) -> Self {
+        match self {
+            Self::Aligned => Self::Number(0),
+            Self::Number(seed) => Self::Number(seed ^ 1 << 31),
+        }
+    }
+}
+
 impl FromStr for Seed {
     type Err = String;
 

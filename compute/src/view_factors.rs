@@ -10,6 +10,15 @@
 //! reciprocal, A_A F_AB = A_B F_BA. Here both sides are sampled on their own, from A's hemicubes and
 //! from B's, so their difference shows how good the sampling is.
 //!
+//! # Error
+//! What both sides get wrong alike does not show in that difference. So some of A's patches are looked at more closely
+//! ([`FormFactors::closer`]); F_iB then differs by d_i, the error of the patch's row but for a little. For the mean d and the variance
+//! v of these m out of A's N patches, by area, the error of F_AB is
+//!
+//! sqrt(max(d^2 - v/m (1 - m/N), v/N)),
+//!
+//! the square of d less what comes from choosing m of them, and at least what independent errors come to.
+//!
 //! # Practice
 //! Units are summed as integers over B, in f64 over A in patch order, so threads and batches do not
 //! change a bit. Only pairs with F_AB > 0 have a line; F_AA is one of them where A sees itself.
@@ -20,13 +29,20 @@ use std::path::Path;
 
 use scene::export::csv::quoted;
 use scene::file::{FileError, write_atomically};
-use scene::{ObjectId, Scene};
+use scene::{ObjectId, PatchId, Scene};
 
+use crate::FormFactors;
 use crate::row_cache::RowCache;
-use crate::rows::{Entry, UNITS_PER_ONE};
+use crate::rows::{BackendError, Entry, UNITS_PER_ONE};
 
 /// The first line.
-pub const HEADER: &str = "from,to,view_factor,area_from,area_to,row_sum_from,reciprocity_error";
+pub const HEADER: &str =
+    "from,to,view_factor,area_from,area_to,row_sum_from,reciprocity_error,error";
+
+/// Of an object's patches one in so many is looked at more closely, but so many at least and at most.
+const CLOSER_EVERY: usize = 32;
+const FEWEST_CLOSER: usize = 8;
+const MOST_CLOSER: usize = 64;
 
 /// View factors between objects, as far as rows were added.
 #[derive(Clone, Debug)]
@@ -41,6 +57,20 @@ pub struct ViewFactors {
     exchange_areas: Vec<BTreeMap<u32, f64>>,
     /// Of the row being added, one per object.
     units: Vec<f64>,
+    /// Patches that are to be looked at more closely, ascending, and their view factors by object.
+    chosen: Vec<(PatchId, BTreeMap<u32, f64>)>,
+    /// By A and B; empty before some were.
+    errors: BTreeMap<(u32, u32), f64>,
+}
+
+/// Differences of some patches' view factors to one object.
+#[derive(Clone, Copy, Debug, Default)]
+struct Differences {
+    /// Sums over patches, by area: of areas, differences, and their squares.
+    area: f64,
+    sum: f64,
+    squares: f64,
+    count: f64,
 }
 
 impl ViewFactors {
@@ -62,13 +92,95 @@ impl ViewFactors {
             areas,
             exchange_areas: vec![BTreeMap::new(); count],
             units: vec![0.0; count],
+            chosen: Vec::new(),
+            errors: BTreeMap::new(),
         }
+    }
+
+    /// Chooses patches that are to be looked at more closely, before any row is added: by steps, of each object.
+    fn choose(&mut self) {
+        let mut patches: Vec<Vec<u32>> = vec![Vec::new(); self.areas.len()];
+        for (patch, object) in (0..).zip(&self.objects) {
+            patches[object.index()].push(patch);
+        }
+        let mut chosen = Vec::new();
+        for patches in patches {
+            let count = patches.len().div_ceil(CLOSER_EVERY);
+            let count = count.clamp(FEWEST_CLOSER, MOST_CLOSER).min(patches.len());
+            let steps = (0..count).map(|k| (2 * k + 1) * patches.len() / (2 * count));
+            chosen.extend(steps.map(|k| (PatchId(patches[k]), BTreeMap::new())));
+        }
+        chosen.sort_by_key(|&(patch, _)| patch);
+        self.chosen = chosen;
+    }
+
+    /// View factors of a row by object.
+    fn by_object(&self, row: impl Iterator<Item = Entry>) -> BTreeMap<u32, f64> {
+        let mut by_object = BTreeMap::new();
+        for entry in row {
+            let to = self.objects[entry.source as usize];
+            *by_object.entry(to.0).or_default() +=
+                f64::from(entry.units) / f64::from(UNITS_PER_ONE);
+        }
+        by_object
+    }
+
+    /// Looks at the chosen patches more closely, once all rows are added.
+    fn look_closer(&mut self, form_factors: &FormFactors) -> Result<(), BackendError> {
+        let chosen = self.chosen.iter().map(|&(patch, _)| patch).collect();
+        let mut backend = form_factors.closer(chosen)?;
+        let mut differences: BTreeMap<(u32, u32), Differences> = BTreeMap::new();
+        let mut counts = vec![0.0; self.areas.len()];
+        let mut next: u32 = 0;
+        while (next as usize) < self.chosen.len() {
+            let batch = backend.source.preferred_batch().max(1);
+            let end = (self.chosen.len() as u32).min(next.saturating_add(batch));
+            let rows = backend.source.draw_rows(next..end)?;
+            for k in next..end {
+                let (patch, before) = &self.chosen[k as usize];
+                let row = rows.row((k - next) as usize).iter().copied();
+                let closer = self.by_object(row);
+                let from = self.objects[patch.index()];
+                let area = self.patch_areas[patch.index()];
+                counts[from.index()] += 1.0;
+                for to in 0..self.areas.len() as u32 {
+                    let [closer, before] = [&closer, before].map(|of| of.get(&to).unwrap_or(&0.0));
+                    let all = differences.entry((from.0, to)).or_default();
+                    all.area += area;
+                    all.sum += area * (closer - before);
+                    all.squares += area * (closer - before).powi(2);
+                    all.count += 1.0;
+                }
+            }
+            next = end;
+        }
+        let mut patches = vec![0.0; self.areas.len()];
+        for object in &self.objects {
+            patches[object.index()] += 1.0;
+        }
+        let error = |((from, to), all): ((u32, u32), Differences)| {
+            ((from, to), all.error(patches[from as usize]))
+        };
+        self.errors = differences.into_iter().map(error).collect();
+        Ok(())
+    }
+
+    /// The estimate of the error of F_AB, over F_AB; `None` where nothing was looked at more closely.
+    pub fn error(&self, from: ObjectId, to: ObjectId) -> Option<f64> {
+        let error = self.errors.get(&(from.0, to.0))?;
+        Some(error / self.view_factor(from, to))
     }
 
     /// Adds a patch's row.
     pub fn add(&mut self, from: u32, row: impl Iterator<Item = Entry> + Clone) {
         for entry in row.clone() {
             self.units[self.objects[entry.source as usize].index()] += f64::from(entry.units);
+        }
+        let chosen = self
+            .chosen
+            .binary_search_by_key(&from, |(patch, _)| patch.0);
+        if let Ok(k) = chosen {
+            self.chosen[k].1 = self.by_object(row.clone());
         }
         let area = self.patch_areas[from as usize];
         let exchange_areas = &mut self.exchange_areas[self.objects[from as usize].index()];
@@ -132,7 +244,7 @@ impl ViewFactors {
                 let to = ObjectId(to);
                 writeln!(
                     out,
-                    "{},{},{},{},{},{},{}",
+                    "{},{},{},{},{},{},{},{}",
                     quoted(scene.object(from)),
                     quoted(scene.object(to)),
                     self.view_factor(from, to),
@@ -140,6 +252,8 @@ impl ViewFactors {
                     self.area(to),
                     self.row_sum(from),
                     self.reciprocity_error(from, to),
+                    self.error(from, to)
+                        .map_or_else(String::new, |error| error.to_string()),
                 )?;
             }
         }
@@ -147,14 +261,38 @@ impl ViewFactors {
     }
 }
 
-/// Writes the view factors between all objects, drawing the rows that are not kept.
-pub fn save(path: &Path, scene: &Scene, rows: &mut RowCache) -> Result<(), FileError> {
+impl Differences {
+    /// What the view factor of an object of so many patches is off by.
+    fn error(self, patches: f64) -> f64 {
+        let mean = self.sum / self.area;
+        let variance = (self.squares / self.area - mean * mean).max(0.0);
+        let by_choice = variance / self.count * (1.0 - self.count / patches);
+        let least = if self.count < patches {
+            variance / patches
+        } else {
+            0.0
+        };
+        (mean * mean - by_choice).max(least).sqrt()
+    }
+}
+
+/// Writes the view factors between all objects, drawing the rows that are not kept. Those rows are of `form_factors`.
+pub fn save(
+    path: &Path,
+    scene: &Scene,
+    form_factors: &FormFactors,
+    rows: &mut RowCache,
+) -> Result<(), FileError> {
     write_atomically(path, |out| {
         let mut view_factors = ViewFactors::new(scene);
+        view_factors.choose();
         rows.for_each_row(|from, row| {
             view_factors.add(from, row.into_iter());
             Ok(())
         })?;
+        view_factors
+            .look_closer(form_factors)
+            .map_err(std::io::Error::other)?;
         view_factors.write(out, scene)
     })
 }

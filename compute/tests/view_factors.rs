@@ -18,6 +18,7 @@ struct Line {
     area_to: f64,
     row_sum_from: f64,
     reciprocity_error: f64,
+    error: f64,
 }
 
 /// The view factors of `in.rad` by from and to.
@@ -34,7 +35,7 @@ fn view_factors(folder: &Path, more: &[&str]) -> BTreeMap<(String, String), Line
     solve(folder, &[&arguments[..], more].concat());
     let text = std::fs::read_to_string(folder.join("v.csv")).unwrap();
     let mut lines = text.lines();
-    let header = "from,to,view_factor,area_from,area_to,row_sum_from,reciprocity_error";
+    let header = "from,to,view_factor,area_from,area_to,row_sum_from,reciprocity_error,error";
     assert_eq!(lines.next(), Some(header));
     lines
         .map(|line| {
@@ -49,8 +50,9 @@ fn view_factors(folder: &Path, more: &[&str]) -> BTreeMap<(String, String), Line
                 area_to: numbers[2],
                 row_sum_from: numbers[3],
                 reciprocity_error: numbers[4],
+                error: numbers[5],
             };
-            assert_eq!(numbers.len(), 5);
+            assert_eq!(numbers.len(), 6);
             ((from.clone(), to.clone()), line)
         })
         .collect()
@@ -98,6 +100,36 @@ const FACING_SQUARES: f64 = 0.199_824_895_698;
 fn facing_squares_tolerance(resolution: f64) -> f64 {
     let pi = std::f64::consts::PI;
     4.0 / pi / 256.0 / 18.0 + 4.0 * 2.0 / (3_f64.sqrt() * pi * resolution) / 512_f64.sqrt()
+}
+
+/// The view factor of unit squares facing each other (Howell's catalogue, C-11).
+fn facing_squares_view_factor(distance: f64) -> f64 {
+    let x = 1.0 / distance;
+    let root = (1.0 + x * x).sqrt();
+    let logarithm = ((1.0 + x * x) / (1.0 + 2.0 * x * x).sqrt()).ln();
+    let arcs = 2.0 * x * root * (x / root).atan() - 2.0 * x * x.atan();
+    2.0 / (std::f64::consts::PI * x * x) * (logarithm + arcs)
+}
+
+/// What is stated of the error is what it is, where one point a patch is to blame, which both sides share. Pixels of the closer look
+/// may bring a thousandth.
+#[test]
+fn stated_errors_are_those_of_the_closed_form() {
+    assert!((facing_squares_view_factor(1.0) - FACING_SQUARES).abs() < 1e-9);
+    for distance in [0.3_f32, 1.0] {
+        for patches in [2.0, 8.0, 32.0, 512.0] {
+            let folder = folder_with(&facing_squares(distance), 1.0 / patches);
+            let settings = ["64", "--points", "centroid", "--closed-forms", "off"];
+            for line in view_factors(folder.path(), &settings).values() {
+                let exact = facing_squares_view_factor(distance.into());
+                let found = (line.view_factor / exact - 1.0).abs();
+                assert!(
+                    found < 1.5 * line.error + 1e-3 && line.error < 3.0 * found + 1e-3,
+                    "{distance} {patches}: {found}, {line:?}"
+                );
+            }
+        }
+    }
 }
 
 #[test]

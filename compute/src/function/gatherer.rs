@@ -39,6 +39,9 @@ pub(super) struct Light {
     pub correction: DVec3,
     /// The share of what it sees, by form factors, that is fronts of surfaces and no opening.
     pub surfaces: f64,
+    /// What it is likely to miss of what varies within sources, squared and summed over channels, (W/m^2)^2: of each as much as the form
+    /// factor to it and its deviation make. 0 before it is known.
+    pub within: f64,
 }
 
 impl Light {
@@ -169,6 +172,7 @@ impl<'a, 'c> Gatherer<'a, 'c> {
                 by_sources: sum(row, radiosity) - direct,
                 correction: DVec3::ZERO,
                 surfaces: units / f64::from(UNITS_PER_ONE),
+                within: 0.0,
             });
             if are_kept {
                 kept.keep(row, self.most_kept_bytes);
@@ -190,10 +194,25 @@ impl<'a, 'c> Gatherer<'a, 'c> {
         Ok(Some(lights))
     }
 
-    /// What kept places receive where sources receive this, W/m^2, one per source; `None` where it is cancelled.
-    pub fn gather_again(&mut self, irradiance: &[Rgb]) -> Result<Option<&[Light]>, BackendError> {
-        self.radiosity = radiosities(&self.problem, irradiance);
+    /// What kept places receive where sources receive this, W/m^2, or what they did, and are within as these means say, both one
+    /// per source; `None` where it is cancelled.
+    pub fn gather_again(
+        &mut self,
+        irradiance: Option<&[Rgb]>,
+        means: &[Means],
+    ) -> Result<Option<&[Light]>, BackendError> {
+        if let Some(irradiance) = irradiance {
+            self.radiosity = radiosities(&self.problem, irradiance);
+        }
         let radiosity = &self.radiosity;
+        let renew = |light: &mut Light, row: &[Entry]| {
+            light.by_sources = sum(row, radiosity) - light.direct;
+            let missed = |entry: &Entry| {
+                let share = f64::from(entry.units) / f64::from(UNITS_PER_ONE);
+                share * share * means[entry.source as usize].variance
+            };
+            light.within = row.iter().map(missed).sum();
+        };
         let Kept {
             lights,
             receivers,
@@ -204,7 +223,7 @@ impl<'a, 'c> Gatherer<'a, 'c> {
         let (first, others) = lights.split_at_mut(ends.len());
         first.par_iter_mut().enumerate().for_each(|(k, light)| {
             let start = if k == 0 { 0 } else { ends[k - 1] };
-            light.by_sources = sum(&entries[start..ends[k]], radiosity) - light.direct;
+            renew(light, &entries[start..ends[k]]);
         });
         let mut others = others.iter_mut();
         for run in receivers[ends.len()..].chunk_by(|a, b| a + 1 == *b) {
@@ -214,7 +233,7 @@ impl<'a, 'c> Gatherer<'a, 'c> {
                 self.cancel,
                 |row| {
                     if let Some(light) = others.next() {
-                        light.by_sources = sum(row, radiosity) - light.direct;
+                        renew(light, row);
                     }
                 },
             )?;
@@ -393,6 +412,7 @@ mod tests {
             by_sources: DVec3::splat(0.125),
             correction: DVec3::new(0.5, -0.0625, -0.5),
             surfaces: 1.0,
+            within: 0.0,
         };
         assert_eq!(light.irradiance(), DVec3::new(0.75, 0.1875, 0.125));
     }

@@ -14,12 +14,12 @@ use super::reflectances;
 use super::{ErrorByCause, Receives};
 
 /// The fewest points at which a function is checked at a time, and their number as a share of the leaves beyond that.
-const FEWEST_CHECKS: usize = 256;
+const FEWEST_CHECKS: usize = 320;
 const CHECKED: f64 = 0.02;
 
 /// By what points are drawn: area, so that nothing is left out for good, and what is likely to be missed, by both targets, as
-/// corners tell and as spots do.
-const MEASURES: usize = 5;
+/// corners tell, as spots do, and as what varies within the sources that are seen does.
+const MEASURES: usize = 7;
 
 /// What one value a patch is taken to miss of it, relative, when points are drawn: most where it is bright, beside lamps.
 const FLAT_MISSES: f64 = 0.1;
@@ -136,21 +136,22 @@ impl<'s> LitMesh<'s> {
         for leaf in self.mesh.leaves() {
             let tree = sources.mesh().tree(self.mesh.surface(leaf));
             let (depth, code) = self.mesh.bisections(leaf);
+            let rho = self.reflectance[self.mesh.surface(leaf).index()];
             let lights = self.mesh.corners(leaf);
             let lights = lights.map(|vertex| &self.lights[vertex.0 as usize]);
             let area = self.mesh.area(leaf);
             if let Some(deeper) = depth.checked_sub(tree.depth) {
                 let source = tree.first_patch.0 + (code >> deeper);
                 let part = &mut parts[source as usize];
-                part.add(area, lights, DVec3::splat(1.0 / 3.0));
+                part.add(area, lights, [DVec3::X, DVec3::Y, DVec3::Z], rho);
                 part.missed += area * missed[leaf.0 as usize];
                 continue;
             }
             let deeper = tree.depth - depth;
             for within in 0..1 << deeper {
                 let source = tree.first_patch.0 + (code << deeper | within);
-                let [a, b, c] = bisection::leaf_corners(deeper, within);
-                parts[source as usize].add(area, lights, (a + b + c) / 3.0);
+                let corners = bisection::leaf_corners(deeper, within);
+                parts[source as usize].add(area, lights, corners, rho);
             }
         }
         parts.into_iter().map(Parts::means).collect()
@@ -301,6 +302,19 @@ impl<'s> LitMesh<'s> {
         spots.parts.iter().map(of_part).collect()
     }
 
+    /// What a leaf is likely to miss since sources are one value each, by target.
+    fn missed_of_sources(&self, leaf: NodeId, size: &Size) -> [f64; 2] {
+        let rho = self.reflectance[self.mesh.surface(leaf).index()];
+        let corners = self.mesh.corners(leaf);
+        let within = corners.map(|vertex| self.lights[vertex.0 as usize].within);
+        let square = within.into_iter().sum::<f64>() / 3.0;
+        let corners = self.radiosities(leaf);
+        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+        let difference = rho * (square / 3.0).sqrt();
+        let area = self.mesh.area(leaf);
+        size.weighed(difference, middle).map(|w| area * w)
+    }
+
     /// Points by chance, in leaves by what they are likely to miss, others for each round.
     pub fn checks(&self, round: u32) -> Vec<Check> {
         let size = self.size();
@@ -314,19 +328,34 @@ impl<'s> LitMesh<'s> {
                 corners: self.mesh.in_surface(leaf),
                 area,
             };
+            let [by_sources, visible_by_sources] = self.missed_of_sources(leaf, &size);
             let Some(spots) = self.spots.get(&leaf) else {
-                all.push((whole, [area, power, visible, 0.0, 0.0]));
+                let of_sources = [by_sources, visible_by_sources];
+                let measures = [area, power, visible, 0.0, 0.0, of_sources[0], of_sources[1]];
+                all.push((whole, measures));
                 continue;
             };
             let missed = self.missed_of_spots(leaf, spots, &size);
             for (part, missed) in spots.parts.iter().zip(missed) {
-                let [area, power, visible] = [area, power, visible].map(|all| part.share * all);
+                let shares = [area, power, visible, by_sources, visible_by_sources];
+                let [area, power, visible, by_sources, visible_by_sources] =
+                    shares.map(|all| part.share * all);
                 let candidate = Candidate {
                     in_part: part.in_triangle,
                     area,
                     ..whole
                 };
-                all.push((candidate, [area, power, visible, missed[0], missed[1]]));
+                let [spots, visible_spots] = missed;
+                let measures = [
+                    area,
+                    power,
+                    visible,
+                    spots,
+                    visible_spots,
+                    by_sources,
+                    visible_by_sources,
+                ];
+                all.push((candidate, measures));
             }
         }
         for flat in &self.flat {
@@ -339,7 +368,7 @@ impl<'s> LitMesh<'s> {
                 corners: self.scene.patch_in_surface(flat.patch),
                 area: flat.area,
             };
-            all.push((candidate, [flat.area, power, visible, 0.0, 0.0]));
+            all.push((candidate, [flat.area, power, visible, 0.0, 0.0, 0.0, 0.0]));
         }
         let parts = self.mesh.leaves().count() + self.flat.len();
         let count = FEWEST_CHECKS.max((CHECKED * parts as f64) as usize);
@@ -422,6 +451,9 @@ struct Parts {
     irradiance: DVec3,
     missed: DVec3,
     correction: DVec3,
+    /// What is reflected, and its square, summed over channels.
+    reflected: DVec3,
+    square: f64,
 }
 
 /// What a source receives.
@@ -430,11 +462,23 @@ pub(super) struct Means {
     pub receives: Receives,
     /// The mean of the function as it is, linear between vertices, W/m^2; `None` where it has no vertices.
     pub linear: Option<DVec3>,
+    /// The variance over the source of what is reflected of it, summed over channels, (W/m^2)^2.
+    pub variance: f64,
 }
 
 impl Parts {
-    /// One more, of so many m^2, with the light of its corners; the source's part of it has its middle there.
-    fn add(&mut self, area: f64, lights: [&Light; 3], middle: DVec3) {
+    /// One more, of so many m^2, with the light of its corners and its reflectance; the source's part of it has these corners
+    /// in it.
+    fn add(&mut self, area: f64, lights: [&Light; 3], corners: [DVec3; 3], rho: DVec3) {
+        let reflected = corners.map(|at| {
+            let lights = lights.iter().zip(at.to_array());
+            rho * lights
+                .map(|(light, w)| w * light.irradiance())
+                .sum::<DVec3>()
+        });
+        self.reflected += area * reflected.into_iter().sum::<DVec3>() / 3.0;
+        self.square += area * mean_square(reflected);
+        let middle = corners.into_iter().sum::<DVec3>() / 3.0;
         let weights = (area * middle).to_array();
         self.leaves += 1;
         self.area += area;
@@ -449,6 +493,7 @@ impl Parts {
             return Means {
                 receives: Receives::BesidesItsRow(DVec3::ZERO),
                 linear: None,
+                variance: 0.0,
             };
         }
         let receives = if self.leaves >= FEWEST_LEAVES {
@@ -460,6 +505,8 @@ impl Parts {
         Means {
             receives,
             linear: Some(self.irradiance / self.area),
+            variance: (self.square / self.area - (self.reflected / self.area).length_squared())
+                .max(0.0),
         }
     }
 }

@@ -355,11 +355,15 @@ impl Making<'_, '_> {
     fn balance(&mut self) -> Result<bool, BackendError> {
         let means = self.growth.lit().means(self.gatherer.sources());
         let known: Vec<Receives> = means.iter().map(|means| means.receives).collect();
-        let Some(irradiance) = self.resolve.resolve(&known)? else {
-            return Ok(!self.order.cancel.is_cancelled());
-        };
-        self.patches = self.gatherer.prolonged(&irradiance);
-        let Some(lights) = self.gatherer.gather_again(&irradiance)? else {
+        let irradiance = self.resolve.resolve(&known)?;
+        if self.order.cancel.is_cancelled() {
+            return Ok(false);
+        }
+        if let Some(irradiance) = &irradiance {
+            self.patches = self.gatherer.prolonged(irradiance);
+        }
+        let irradiance = irradiance.as_deref();
+        let Some(lights) = self.gatherer.gather_again(irradiance, &means)? else {
             return Ok(false);
         };
         let lights = lights.to_vec();

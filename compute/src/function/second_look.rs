@@ -53,7 +53,7 @@ impl SecondLook<'_, '_> {
     /// What these places see, on the threads of the rayon pool it is called in.
     pub fn at(&self, places: &[Place]) -> Vec<Reflected> {
         let scene = self.drawable.scene();
-        let turned = Places::new(scene, self.drawable, otherwise(self.seed));
+        let turned = Places::new(scene, self.drawable, self.seed.otherwise());
         turned.extend(places.iter().copied());
         let delta_form_factors = DeltaFormFactors::new(self.maps, self.resolution, UNITS_PER_ONE);
         let look = |(viewer, canvas): &mut (Viewer, Canvas), receiver| {
@@ -120,13 +120,5 @@ impl SecondLook<'_, '_> {
             by_sources: sums.by_sources / units,
             within: sums.within / units,
         }
-    }
-}
-
-/// Other angles.
-fn otherwise(seed: Seed) -> Seed {
-    match seed {
-        Seed::Aligned => Seed::Number(0),
-        Seed::Number(seed) => Seed::Number(seed ^ 1 << 31),
     }
 }

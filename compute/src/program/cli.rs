@@ -2,6 +2,7 @@
 
 mod form_factors;
 mod gather;
+mod study;
 mod target_error;
 mod verify;
 
@@ -43,6 +44,7 @@ struct CommandLine {
 #[derive(Debug, Subcommand)]
 enum Command {
     Gather(gather::GatherArguments),
+    Study(study::StudyArguments),
     Verify(verify::VerifyArguments),
 }
 
@@ -115,7 +117,7 @@ struct Arguments {
     #[arg(long, value_name = "FILE.csv")]
     form_factors: Option<PathBuf>,
     /// Write the view factors between objects to this file:
-    /// from,to,view_factor,area_from,area_to,row_sum_from,reciprocity_error
+    /// from,to,view_factor,area_from,area_to,row_sum_from,reciprocity_error,error (relative, estimated)
     #[arg(long, value_name = "FILE.csv")]
     view_factors: Option<PathBuf>,
     /// Exit with code 1 where the certificate is beyond its tolerances (below); OUT is written all the same
@@ -133,6 +135,7 @@ Examples:
   compute scene.rad out.rad --quality thesis     as the thesis measured
   compute gather solved.rad --sensors points.csv --out values.csv
                                                  irradiance at points of one's own
+  compute study scene.rad --out study            what each setting costs on a scene, and how wrong it is
   compute verify                                 how far off this program is where answers are known
 
 --strict fails beyond these, which the summary's line \"certificate\" and the report show in any run:
@@ -162,6 +165,10 @@ pub fn parse() -> Task {
             Ok(settings) => Task::Verify(settings),
             Err(error) => usage_error(ErrorKind::ValueValidation, error.to_string()),
         },
+        CommandLine {
+            command: Some(Command::Study(arguments)),
+            ..
+        } => Task::Study(arguments.settings()),
         CommandLine {
             command: Some(Command::Gather(arguments)),
             ..
@@ -211,6 +218,22 @@ fn settings(arguments: Arguments) -> Settings {
         report: arguments.report,
         form_factors_csv: arguments.form_factors,
         view_factors_csv: arguments.view_factors,
+    }
+}
+
+/// What a run does that has these options after IN and OUT.
+///
+/// # Errors
+/// Options that the program refuses.
+pub fn solve_settings(options: &str) -> Result<SolveSettings, clap::Error> {
+    let words = ["compute", "IN", "OUT"].into_iter();
+    let line = CommandLine::try_parse_from(words.chain(options.split_whitespace()))?;
+    match line.solve {
+        Some(arguments) => Ok(settings(arguments).solve),
+        None => Err(CommandLine::command().error(
+            ErrorKind::MissingRequiredArgument,
+            "these are no options of a run",
+        )),
     }
 }
 

@@ -5,6 +5,7 @@ mod gather;
 mod interrupt;
 mod progress;
 mod run;
+mod study;
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -23,6 +24,8 @@ pub enum Task {
     Solve(Box<Settings>),
     /// To tell what sensors receive in a solved scene.
     Gather(GatherSettings),
+    /// To measure what settings cost, and how wrong they are.
+    Study(study::StudySettings),
     /// To show how far it is from answers that are known.
     Verify(verify::Settings),
 }
@@ -78,6 +81,11 @@ pub struct Settings {
 pub fn run(task: &Task) -> anyhow::Result<ExitCode> {
     Ok(match task {
         Task::Verify(settings) => code(verify::run(settings)?),
+        Task::Study(settings) => {
+            let cancel = CancelToken::new();
+            interrupt::listen(&cancel);
+            study::run(settings, &cancel)?
+        }
         Task::Gather(settings) => {
             let cancel = CancelToken::new();
             interrupt::listen(&cancel);

@@ -144,7 +144,8 @@ fn write_factors<'s>(
         .with_cancel(cancel)
         .with_row_files(row_files.cloned());
     let mut rows = form_factors.rows(Needed::All)?;
-    let written = write_tables(settings, scene, &mut rows);
+    let form_factors = form_factors.after(&rows);
+    let written = write_tables(settings, scene, &form_factors, &mut rows);
     if written.is_err() {
         rows.save();
     } else {
@@ -158,12 +159,17 @@ fn write_factors<'s>(
     Ok(is_one_level.then_some(rows))
 }
 
-fn write_tables(settings: &Settings, scene: &Scene, rows: &mut RowCache) -> Result<(), FileError> {
+fn write_tables(
+    settings: &Settings,
+    scene: &Scene,
+    form_factors: &FormFactors,
+    rows: &mut RowCache,
+) -> Result<(), FileError> {
     if let Some(path) = &settings.form_factors_csv {
         form_factors_csv::save(path, rows)?;
     }
     if let Some(path) = &settings.view_factors_csv {
-        view_factors::save(path, scene, rows)?;
+        view_factors::save(path, scene, form_factors, rows)?;
     }
     Ok(())
 }

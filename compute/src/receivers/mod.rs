@@ -15,7 +15,7 @@ use std::fmt::Debug;
 use scene::SurfaceId;
 use visibility::Frame;
 
-pub use patches::Patches;
+pub use patches::{Closer, Patches};
 pub use sensors::{Sensor, Sensors};
 pub(crate) use turn::{mixed, turn};
 

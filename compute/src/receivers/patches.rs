@@ -83,13 +83,21 @@ impl Receivers for Patches<'_> {
         counts
     }
 
-    /// Their normal is that of the wall that the patch's surface is drawn with: a sliver's own one is not known as well.
     fn frames(&self, receiver: ReceiverId) -> Vec<Frame> {
-        let patch = PatchId(receiver.0);
+        self.frames_by(self.rule(receiver.0), PatchId(receiver.0))
+    }
+
+    fn surface(&self, receiver: ReceiverId) -> Option<SurfaceId> {
+        Some(self.scene.mesh().surface_of(PatchId(receiver.0)))
+    }
+}
+
+impl Patches<'_> {
+    /// Their normal is that of the wall that the patch's surface is drawn with: a sliver's own one is not known as well.
+    fn frames_by(&self, rule: Rule, patch: PatchId) -> Vec<Frame> {
         let geometry = self.scene.patch(patch);
         let normal = self.drawable.normal_of(geometry.surface);
         let surface = self.scene.surface(geometry.surface);
-        let rule = self.rule(receiver.0);
         let points = rule.points(geometry.corners.map(Vec3::as_dvec3));
         let on_surface = rule.points(self.scene.patch_in_surface(patch));
         points
@@ -101,8 +109,73 @@ impl Receivers for Patches<'_> {
             })
             .collect()
     }
+}
+
+/// By how many times as many points patches are looked at more closely, at least.
+const CLOSER: u32 = 4;
+
+/// Some patches, each at several times as many points, by a rule of another kind or order, and otherwise turned.
+#[derive(Debug)]
+pub struct Closer<'a> {
+    patches: Patches<'a>,
+    chosen: Vec<PatchId>,
+    rules: Vec<Rule>,
+    /// The number of each receiver's first point, then that of all.
+    firsts: Vec<u64>,
+}
+
+impl<'a> Closer<'a> {
+    /// Some of these patches; receiver i is the i-th of them.
+    pub fn new(mut patches: Patches<'a>, chosen: Vec<PatchId>) -> Self {
+        let rule = |patch: &PatchId| {
+            let points = CLOSER * patches.rule(patch.0).count();
+            let bisections = points.div_ceil(3).next_power_of_two().ilog2();
+            Rule::ThreePoint {
+                bisections: bisections.min(Points::MAX_BISECTIONS),
+            }
+        };
+        let rules: Vec<Rule> = chosen.iter().map(rule).collect();
+        let mut firsts = vec![0];
+        for rule in &rules {
+            firsts.push(firsts[firsts.len() - 1] + u64::from(rule.count()));
+        }
+        patches.seed = patches.seed.otherwise();
+        Self {
+            patches,
+            chosen,
+            rules,
+            firsts,
+        }
+    }
+}
+
+impl Receivers for Closer<'_> {
+    fn count(&self) -> u32 {
+        self.chosen.len() as u32
+    }
+
+    fn point_count(&self, receiver: ReceiverId) -> u32 {
+        self.rules[receiver.0 as usize].count()
+    }
+
+    fn first_point(&self, receiver: ReceiverId) -> u64 {
+        self.firsts[receiver.0 as usize]
+    }
+
+    fn point_counts(&self) -> Vec<u32> {
+        let mut counts: Vec<u32> = self.rules.iter().map(|rule| rule.count()).collect();
+        counts.sort_unstable();
+        counts.dedup();
+        counts
+    }
+
+    fn frames(&self, receiver: ReceiverId) -> Vec<Frame> {
+        let k = receiver.0 as usize;
+        self.patches.frames_by(self.rules[k], self.chosen[k])
+    }
 
     fn surface(&self, receiver: ReceiverId) -> Option<SurfaceId> {
-        Some(self.scene.mesh().surface_of(PatchId(receiver.0)))
+        let patch = self.chosen[receiver.0 as usize];
+        self.patches.surface(ReceiverId(patch.0))
     }
 }
