@@ -311,7 +311,7 @@ impl<'a> FormFactors<'a> {
         let patches = Patches::new(self.scene, sources.drawable(), points, seed);
         let closer = Self {
             settings: FormFactorSettings {
-                resolution: (2 * resolution).min(MAX_RESOLUTION as u32),
+                resolution: (2 * resolution).min(MAX_RESOLUTION),
                 ..self.settings
             },
             ..self.clone()

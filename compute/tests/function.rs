@@ -324,6 +324,33 @@ fn errors_of_patches_make_that_of_all() {
     );
 }
 
+/// What a run would take is told, and nothing is written.
+#[test]
+fn a_dry_run_tells_and_writes_nothing() {
+    let folder = folder();
+    save(folder.path(), "in.rad", &colourful_room(0.001));
+    for (options, more) in [
+        ("--quality mesh", "\nmemory "),
+        ("--quality mesh --source-area 0.5", "at all patches"),
+        ("--quality standard", "at vertices"),
+    ] {
+        let arguments = ["in.rad", "out.rad", "--dry-run"].into_iter();
+        let arguments: Vec<&str> = arguments.chain(options.split(' ')).collect();
+        let output = solve(folder.path(), &arguments);
+        let told = stdout(&output);
+        let words = [
+            "scene  ",
+            "back end  ",
+            "rows  ",
+            "memory  ",
+            "disk  ",
+            more,
+        ];
+        assert!(words.iter().all(|word| told.contains(word)), "{told}");
+        assert!(!folder.path().join("out.rad").exists());
+    }
+}
+
 /// A quality is what its options are, and options that are given count.
 #[test]
 fn qualities_are_names_for_options() {

@@ -120,6 +120,9 @@ struct Arguments {
     /// from,to,view_factor,area_from,area_to,row_sum_from,reciprocity_error,error (relative, estimated)
     #[arg(long, value_name = "FILE.csv")]
     view_factors: Option<PathBuf>,
+    /// Tell what the run would take (rows, time, memory, disk) from a few rows, and write nothing
+    #[arg(long)]
+    dry_run: bool,
     /// Exit with code 1 where the certificate is beyond its tolerances (below); OUT is written all the same
     #[arg(long)]
     strict: bool,
@@ -145,6 +148,7 @@ Examples:
   power balance      1 percent of the emitted power, neither absorbed nor lost; falls with the residual
   reciprocity        5 percent rms between A_j sum F_ji and sum A_i F_ij; falls with --points, smaller patches
   closure            1e-6: a patch's form factors, openings and back faces sum to 1
+Where vertices gather, their estimated error stands for balance and reciprocity: it is to be as small as asked for.
 It draws the rows of form factors that the run has not needed; those that a limit left out fail it too.
 
 Ctrl-C writes OUT and stops; the same command with OUT as IN goes on with the same bits. What it has drawn is in
@@ -213,6 +217,7 @@ fn settings(arguments: Arguments) -> Settings {
         rows_file_limit: arguments.rows_file_limit,
         keep_rows: arguments.keep_rows,
         strict: arguments.strict,
+        is_dry_run: arguments.dry_run,
         input: arguments.input,
         output: arguments.output,
         report: arguments.report,

@@ -1,6 +1,7 @@
 //! The program `compute`: what its commands do with files.
 
 pub mod cli;
+mod dry_run;
 mod gather;
 mod interrupt;
 mod progress;
@@ -72,6 +73,8 @@ pub struct Settings {
     pub view_factors_csv: Option<PathBuf>,
     /// Whether a certificate beyond its tolerances is a failure.
     pub strict: bool,
+    /// Whether it is only told what the run would take.
+    pub is_dry_run: bool,
 }
 
 /// Does what was asked for.
@@ -94,7 +97,11 @@ pub fn run(task: &Task) -> anyhow::Result<ExitCode> {
         Task::Solve(settings) => {
             let cancel = CancelToken::new();
             interrupt::listen(&cancel);
-            end(&run::solve(settings, &cancel)?)
+            if settings.is_dry_run {
+                dry_run::tell(settings, &cancel)?
+            } else {
+                end(&run::solve(settings, &cancel)?)
+            }
         }
     })
 }

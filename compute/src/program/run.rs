@@ -117,7 +117,7 @@ fn solve_and_report(settings: &Settings, cancel: &CancelToken) -> anyhow::Result
 }
 
 /// What is asked of a scene: where it has no light, and has had none, form factors are all there is.
-fn of_scene(settings: &Settings, scene: &Scene, before: Option<&Solution>) -> Settings {
+pub(super) fn of_scene(settings: &Settings, scene: &Scene, before: Option<&Solution>) -> Settings {
     let mut settings = settings.clone();
     let is_dark = |before: &Solution| before.irradiance.iter().all(|&h| h == Rgb::ZERO);
     if scene.emitted_power().max_element() == 0.0 && before.is_none_or(is_dark) {

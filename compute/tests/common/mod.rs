@@ -48,7 +48,7 @@ pub fn program(folder: &Path, arguments: &[&str]) -> Command {
     if !arguments.contains(&"--backend") && arguments.len() > 1 {
         command.args(["--backend", "cpu"]);
     }
-    let solves = arguments.len() > 1 && !["gather", "verify"].contains(&arguments[0]);
+    let solves = arguments.len() > 1 && !["gather", "study", "verify"].contains(&arguments[0]);
     let asks = |option: &&str| ["--quality", "--target-error"].contains(option);
     if solves && !arguments.iter().any(asks) {
         command.args(["--quality", "mesh"]);

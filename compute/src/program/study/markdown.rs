@@ -17,6 +17,7 @@ genx hall.rad 2
 genx hall-coarse.rad 2 --max-area 20
 compute study cornell.rad room.rad hall.rad hall-coarse.rad --out study --time-limit 2min --backend cpu
 cp study/study.md docs/TRADEOFFS.md
+cp study/pictures/*-power.svg docs/pictures/
 ```
 
 which also writes the table as CSV and JSON and plots as SVG. Seconds are those of the wall, without files; **bold** errors are those that no
@@ -35,7 +36,7 @@ faster run of the scene is below. What is stated is the run's own estimate.
 const QUESTIONS: [(&str, &[&str]); 7] = [
     (
         "Does antialiasing do what a doubled viewport does? Four hemicubes a patch, turned each by its own angle, against one of twice \
-         the pixels, and against what it began with",
+         the pixels, and against what it began with.",
         &[
             "64 --quality mesh --points 4",
             "--quality mesh --points centroid",
@@ -43,7 +44,7 @@ const QUESTIONS: [(&str, &[&str]); 7] = [
         ],
     ),
     (
-        "What do more pixels bring (its figure 4.6)? From 26 to 800 along a face; the error is the mesh's",
+        "What do more pixels bring (its figure 4.6)? From 26 to 800 along a face; the error is the mesh's.",
         &[
             "26 --quality mesh --points centroid",
             "100 --quality mesh --points centroid",
@@ -52,7 +53,7 @@ const QUESTIONS: [(&str, &[&str]); 7] = [
         ],
     ),
     (
-        "Does a finer model with a coarser raster pay? Compare the hall with the same of a quarter of the patches",
+        "Does a finer model with a coarser raster pay? Compare the hall with the same of a quarter of the patches.",
         &[
             "26 --quality mesh --points centroid",
             "400 --quality mesh --points centroid",
@@ -73,14 +74,14 @@ const QUESTIONS: [(&str, &[&str]); 7] = [
         ],
     ),
     (
-        "What does it cost that its multipliers forget that a pixel's solid angle falls with 1/r^3? Exact ones, then its own",
+        "What does it cost that its multipliers forget that a pixel's solid angle falls with 1/r^3? Exact ones, then its own.",
         &[
             "--quality mesh --points centroid --seed aligned --lamps off",
             "--quality mesh --points centroid --seed aligned --lamps off --maps thesis",
         ],
     ),
     (
-        "What would an adaptive mesh bring? Vertices where light varies, against one value a patch",
+        "What would an adaptive mesh bring? Vertices where light varies, against one value a patch.",
         &["--quality standard", "--quality mesh"],
     ),
 ];
@@ -89,7 +90,7 @@ const QUESTIONS: [(&str, &[&str]); 7] = [
 fn answers(table: &Table) -> String {
     let mut text = "\n## What the thesis left open\n".to_owned();
     for (question, options) in QUESTIONS {
-        write!(text, "\n{question}.\n\n| |").ok();
+        write!(text, "\n{question}\n\n| |").ok();
         for options in options {
             write!(text, " `{options}` |").ok();
         }
@@ -118,6 +119,8 @@ pub(super) fn document(table: &Table) -> String {
         let first = table.of_scene(&scene).next();
         let patches = first.map_or(0, |row| row.patches);
         write!(text, "\n## {scene}, {patches} patches\n").ok();
+        let picture = format!("pictures/{scene}-power.svg").replace(' ', "%20");
+        write!(text, "\n![power error against seconds]({picture})\n").ok();
         let mut knob = "";
         for row in table.of_scene(&scene) {
             if row.knob != knob {

@@ -228,9 +228,12 @@ fn write_results(settings: &StudySettings, table: &Table) -> anyhow::Result<()> 
     write_atomically(&at("study.json"), |out| out.write_all(&json))?;
     let document = markdown::document(table);
     write_atomically(&at("study.md"), |out| out.write_all(document.as_bytes()))?;
+    let pictures = at("pictures");
+    std::fs::create_dir_all(&pictures)
+        .with_context(|| format!("the folder {} cannot be made", pictures.display()))?;
     for scene in table.scenes() {
         for (kind, svg) in plot::of_scene(table, &scene) {
-            let path = at(&format!("{scene}-{kind}.svg"));
+            let path = pictures.join(format!("{scene}-{kind}.svg"));
             write_atomically(&path, |out| out.write_all(svg.as_bytes()))?;
         }
     }
