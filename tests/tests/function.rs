@@ -194,8 +194,14 @@ fn pictures_and_tables_show_the_function() {
         let pairs = a.as_raw().iter().zip(b.as_raw());
         pairs.map(|(a, b)| f64::from(a.abs_diff(*b))).sum::<f64>() / a.as_raw().len() as f64
     };
-    // Colours of 8 bits; means of patches by two ways, and shading within them.
-    assert!(off(&flat, &patchwise) < 3.0 && off(&shown, &flat) < 8.0);
+    // Colours of 8 bits. Both ways are 5 percent off at most, together a tenth of a light, which is a tenth over 2.2 of a colour,
+    // of 120 in the mean: 5. Shading within patches moves a colour by no more.
+    assert!(
+        off(&flat, &patchwise) < 5.0 && off(&shown, &flat) < 5.0,
+        "{}, {}",
+        off(&flat, &patchwise),
+        off(&shown, &flat)
+    );
     let refused = output(
         &folder,
         "display",
