@@ -324,6 +324,86 @@ fn errors_of_patches_make_that_of_all() {
     );
 }
 
+/// With N iterations vertices gather what has been reflected less than N times: in a furnace 1 + rho + ... + rho^(N-1) times what
+/// walls emit. The result of N has had them, so that asking for N again changes nothing, and for one more adds one; among patches and
+/// among coarser sources.
+#[test]
+fn iterations_are_bounces() {
+    for area in [0.05, 0.002] {
+        let folder = folder();
+        save(folder.path(), "in.rad", &furnace(0.5, 1.0, area));
+        save(folder.path(), "on.rad", &furnace(0.5, 1.0, area));
+        let mut expected = 0.0;
+        for n in 1..=4 {
+            expected = 1.0 + 0.5 * expected;
+            let iterations = n.to_string();
+            let common = ["--quality", "draft", "--iterations", &iterations];
+            for (from, to) in [
+                ("in.rad", "a.rad"),
+                ("a.rad", "b.rad"),
+                ("on.rad", "on.rad"),
+            ] {
+                solve(folder.path(), &[&[from, to], &common[..]].concat());
+                let solution = load(folder.path(), to);
+                assert_eq!(solution.provenance.iterations, n);
+                for value in solution.function.as_ref().unwrap().irradiance() {
+                    assert!(
+                        (f64::from(value.x) - expected).abs() < 1e-4,
+                        "{from} {n}: {value}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Light is what it is whatever the patches, where they are finer than sources: the same bits.
+#[test]
+fn finer_patches_change_no_vertex() {
+    let functions = [0.01, 0.002].map(|area| {
+        let scene = colourful_room(area);
+        let solved = solved(&scene, settings(0.05));
+        assert!(solved.sources.unwrap().count < scene.patch_count() / 2);
+        function(&solved).clone()
+    });
+    let [coarse, fine] = &functions;
+    assert_eq!(coarse.mesh(), fine.mesh());
+    assert_eq!(coarse.irradiance(), fine.irradiance());
+}
+
+/// Without options the light is gathered to the standard quality; where form factors are what is asked for, or all there is,
+/// they are those of one value a patch.
+#[test]
+fn the_default_is_standard_where_there_is_light() {
+    let folder = folder();
+    save(folder.path(), "lit.rad", &colourful_room(0.5));
+    save(folder.path(), "dark.rad", &furnace(0.5, 0.0, 0.5));
+    // Not through the helper, which asks for patches.
+    let run = |arguments: &str| {
+        let status = std::process::Command::new(env!("CARGO_BIN_EXE_compute"))
+            .args(arguments.split(' ').chain(["--backend", "cpu"]))
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        assert!(status.status.success(), "{arguments}: {status:?}");
+    };
+    for (arguments, quality) in [
+        ("lit.rad", "standard"),
+        ("lit.rad --iterations 0", "mesh"),
+        ("lit.rad --view-factors v.csv", "mesh"),
+        ("dark.rad", "mesh"),
+        ("dark.rad --target-error 2%", "mesh"),
+    ] {
+        let (input, options) = arguments.split_once(' ').unwrap_or((arguments, ""));
+        run(format!("{input} a.rad {options}").trim_end());
+        let options = options.replace("--target-error 2%", "");
+        run(format!("{input} b.rad --quality {quality} {options}").trim_end());
+        let [a, b] = ["a.rad", "b.rad"].map(|name| load(folder.path(), name));
+        assert_eq!(a, b, "{arguments}");
+        assert_eq!(a.function.is_some(), quality == "standard", "{arguments}");
+    }
+}
+
 /// What a run would take is told, and nothing is written.
 #[test]
 fn a_dry_run_tells_and_writes_nothing() {

@@ -68,9 +68,11 @@ impl<'a> Run<'a, '_> {
                     solution.irradiance = gathered.irradiance;
                     solution.state = State::AtRest;
                     solution.function = Some(gathered.function);
-                    let iterations = &mut solution.provenance.iterations;
-                    if self.settings.max_iterations == Some(*iterations + 1) && !is_converged {
-                        *iterations += 1;
+                    let next = solution.provenance.iterations.saturating_add(1);
+                    if self.settings.max_iterations == Some(next) && !is_converged {
+                        // Which patches have then had, too.
+                        solution.provenance.iterations = next;
+                        solution.irradiance = solution.mean_irradiance(self.scene);
                     }
                     function = Some(gathered.report);
                 }

@@ -70,8 +70,11 @@ impl<'a> Run<'a, '_> {
         let had = provenance.map_or(0, |provenance| provenance.iterations);
         let most = self.settings.max_iterations;
         let is_enough = most.is_some_and(|most| had >= most);
-        if is_enough && provenance.is_none_or(|provenance| provenance.level.source_area().is_none())
-        {
+        // Among sources, unless vertices have gathered from them, that is not the end.
+        let is_at_end = start.as_ref().is_none_or(|start| {
+            start.function.is_some() || start.provenance.level.source_area().is_none()
+        });
+        if is_enough && is_at_end {
             // Who asks for none wants the form factors.
             if most != Some(0) {
                 self.observer.remark(&Remark::NothingToDo(had));

@@ -329,6 +329,10 @@ impl<'a> Run<'a, '_> {
         let iterations_before = start.as_ref().map_or(0, |s| s.provenance.iterations);
         let solved = match self.begin(start)? {
             Next::Nothing(solution) => {
+                if solution.function.is_some() {
+                    // It has been gathered in the last of these iterations.
+                    self.settings.target = None;
+                }
                 let mut rows = self.rows(rows, &solution)?;
                 let stopped_by = if self.cancel.is_cancelled() {
                     StoppedBy::Interrupt
