@@ -6,13 +6,10 @@
 use glam::DVec3;
 use scene::{Scene, Solution, Surface, SurfaceId};
 
-use crate::function::Errors;
+use crate::function::{Errors, VISIBLE_FLOOR};
 
 /// Points at which solutions are compared, at least.
 const POINTS: f64 = 40_000.0;
-
-/// The share of the mean radiosity below which differences count for less and less, see [`crate::function`].
-const FLOOR: f64 = 0.05;
 
 /// The steps of a sequence that fills a square evenly (Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018).
 const STEPS: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
@@ -50,7 +47,7 @@ pub fn errors(shown: (&Scene, &Solution), right: (&Scene, &Solution)) -> Option<
     let power = sum(&|shown, right| (shown - right).length_squared())
         / sum(&|_, right| right.length_squared()).max(f64::MIN_POSITIVE);
     let visible = sum(&|shown, right| {
-        let base = right + (FLOOR * mean).max(f64::MIN_POSITIVE);
+        let base = right + (VISIBLE_FLOOR * mean).max(f64::MIN_POSITIVE);
         ((shown - right) / base).length_squared() / 3.0
     }) / area;
     Some(Errors {

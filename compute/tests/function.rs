@@ -37,7 +37,7 @@ fn function(solved: &Solved) -> &IrradianceFunction {
 }
 
 /// In a furnace H = E / (1 - rho) everywhere: rows sum to 1, so vertices gather it but for the residual, and neither the mesh
-/// nor pixels nor the size of patches bring anything. Nothing is refined: 512 leaves or a few more have half as many vertices.
+/// nor pixels nor the size of sources bring anything. Nothing is refined: 512 leaves or a few more have half as many vertices.
 #[test]
 fn a_furnace_is_one_value_and_needs_no_more_vertices() {
     let scene = furnace(0.5, 1.0, 0.01);

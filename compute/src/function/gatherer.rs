@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use scene::function::IrradianceFunction;
 use scene::{Rgb, Scene};
 
-use super::lit_mesh::Means;
+use super::means::Means;
 use super::second_look::{Reflected, SecondLook, Within};
 use super::vertices::{Place, Places};
 use crate::FormFactors;
@@ -244,17 +244,11 @@ impl<'a, 'c> Gatherer<'a, 'c> {
         Ok(Some(&self.kept.lights))
     }
 
-    /// What places see when they look a second time, by a function of which sources have these means; `None` where it is cancelled.
-    pub fn look_again(
-        &self,
-        function: IrradianceFunction,
-        means: &[Means],
-        places: &[Place],
-    ) -> Option<Vec<Look>> {
+    /// What places see when they look a second time, where sources are within as they are `now`; `None` where it is cancelled.
+    pub fn look_again(&self, now: &Within, places: &[Place]) -> Option<Vec<Look>> {
         let resolution = self.settings.resolution;
         let reflected = self.reflected();
-        let now = self.within(function, means);
-        let now = self.look(&now, &reflected, places, resolution)?;
+        let now = self.look(now, &reflected, places, resolution)?;
         let before = match &self.within {
             Some(within) => self.look(within, &reflected, places, resolution)?,
             None => vec![Reflected::default(); places.len()],
@@ -267,10 +261,9 @@ impl<'a, 'c> Gatherer<'a, 'c> {
         Some(looks.map(look).collect())
     }
 
-    /// From now on sources are within what this function is, of which they have these means; tells what kept places receive.
-    /// `None` where it is cancelled.
-    pub fn refine(&mut self, function: IrradianceFunction, means: &[Means]) -> Option<&[Light]> {
-        self.within = Some(self.within(function, means));
+    /// From now on sources are within as they are `now`; tells what kept places receive. `None` where it is cancelled.
+    pub fn refine(&mut self, now: Within) -> Option<&[Light]> {
+        self.within = Some(now);
         let corrections = self.corrections(&self.kept.places)?;
         for (light, correction) in self.kept.lights.iter_mut().zip(corrections) {
             light.correction = correction;
@@ -288,7 +281,7 @@ impl<'a, 'c> Gatherer<'a, 'c> {
     }
 
     /// What sources are like within by a function of which they have these means.
-    fn within(&self, function: IrradianceFunction, means: &[Means]) -> Within {
+    pub fn within(&self, function: IrradianceFunction, means: &[Means]) -> Within {
         let reflected = self.reflected();
         let by_function: Vec<Rgb> = means
             .iter()

@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use rayon::prelude::*;
 use scene::function::{IrradianceFunction, NodeId, Refinement, VertexId};
-use scene::{PatchId, Rgb, Scene, SceneError, Surface, SurfaceId, bisection};
+use scene::{PatchId, Rgb, Scene, SceneError, Surface, SurfaceId};
 
 use super::checks::{self, Candidate, Check, Part};
 use super::direct::{self, Emitters, Spots};
 use super::gatherer::Light;
-use super::reflectances;
-use super::{ErrorByCause, Receives};
+use super::means::{self, Means, mean_square};
+use super::{ErrorByCause, VISIBLE_FLOOR, reflectances};
 
 /// The fewest points at which a function is checked at a time, and their number as a share of the leaves beyond that.
 const FEWEST_CHECKS: usize = 320;
@@ -26,12 +26,6 @@ const FLAT_MISSES: f64 = 0.1;
 
 /// The share of a spot that is taken to be there though a triangle's corners see nothing of its lamp.
 const LEAST_VISIBLE: f64 = 0.1;
-
-/// The fewest leaves that tell the mean over a source better than its own row does.
-const FEWEST_LEAVES: u32 = 4;
-
-/// The share of the mean radiosity below which differences of radiosity count for less and less.
-const FLOOR: f64 = 0.05;
 
 /// A patch that has no vertices.
 #[derive(Clone, Copy, Debug)]
@@ -124,61 +118,9 @@ impl<'s> LitMesh<'s> {
             .collect();
     }
 
-    /// What sources receive by the function, one per source: their mean, or where they have so few vertices that their own rows tell
-    /// as much, what is not in these. `sources` is the scene whose patches they are.
-    ///
-    /// What is linear misses where light is brightest, so that all would be too dark. Of a triangle's quarters it misses a quarter of
-    /// what it misses of the triangle if second derivatives are constant, so that three quarters of it are known: the
-    /// difference of both, and a third of that is what is missed yet (Romberg, "Vereinfachte numerische Integration", 1955).
+    /// What sources receive, one per source; `sources` is the scene whose patches they are.
     pub fn means(&self, sources: &Scene) -> Vec<Means> {
-        let mut parts = vec![Parts::default(); sources.patch_count() as usize];
-        let missed = self.missed_of_means();
-        for leaf in self.mesh.leaves() {
-            let tree = sources.mesh().tree(self.mesh.surface(leaf));
-            let (depth, code) = self.mesh.bisections(leaf);
-            let rho = self.reflectance[self.mesh.surface(leaf).index()];
-            let lights = self.mesh.corners(leaf);
-            let lights = lights.map(|vertex| &self.lights[vertex.0 as usize]);
-            let area = self.mesh.area(leaf);
-            if let Some(deeper) = depth.checked_sub(tree.depth) {
-                let source = tree.first_patch.0 + (code >> deeper);
-                let part = &mut parts[source as usize];
-                part.add(area, lights, [DVec3::X, DVec3::Y, DVec3::Z], rho);
-                part.missed += area * missed[leaf.0 as usize];
-                continue;
-            }
-            let deeper = tree.depth - depth;
-            for within in 0..1 << deeper {
-                let source = tree.first_patch.0 + (code << deeper | within);
-                let corners = bisection::leaf_corners(deeper, within);
-                parts[source as usize].add(area, lights, corners, rho);
-            }
-        }
-        parts.into_iter().map(Parts::means).collect()
-    }
-
-    /// What leaves are likely to miss of their means, W/m^2, one per triangle there is or was.
-    fn missed_of_means(&self) -> Vec<DVec3> {
-        let mean = |node: NodeId| -> DVec3 {
-            let corners = self.mesh.corners(node).into_iter();
-            let irradiance = corners.map(|vertex| self.lights[vertex.0 as usize].irradiance());
-            irradiance.sum::<DVec3>() / 3.0
-        };
-        let nodes = self.mesh.nodes();
-        let mut missed = vec![DVec3::ZERO; nodes.len()];
-        for node in nodes {
-            let halves = self.mesh.halves(node);
-            let quarters = halves.map(|halves| halves.map(|half| self.mesh.halves(half)));
-            let Some([Some([a, b]), Some([c, d])]) = quarters else {
-                continue;
-            };
-            let quarters = [a, b, c, d];
-            let finer = quarters.map(mean).into_iter().sum::<DVec3>() / 4.0;
-            for quarter in quarters {
-                missed[quarter.0 as usize] = (finer - mean(node)) / 3.0;
-            }
-        }
-        missed
+        means::means(&self.mesh, &self.lights, &self.reflectance, sources)
     }
 
     /// The reflectance where a function is checked, dimensionless.
@@ -441,76 +383,6 @@ impl<'s> LitMesh<'s> {
     }
 }
 
-/// Leaves within a source, or one that it is a part of.
-#[derive(Clone, Copy, Debug, Default)]
-struct Parts {
-    leaves: u32,
-    /// m^2.
-    area: f64,
-    /// Integrals, W.
-    irradiance: DVec3,
-    missed: DVec3,
-    correction: DVec3,
-    /// What is reflected, and its square, summed over channels.
-    reflected: DVec3,
-    square: f64,
-}
-
-/// What a source receives.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Means {
-    pub receives: Receives,
-    /// The mean of the function as it is, linear between vertices, W/m^2; `None` where it has no vertices.
-    pub linear: Option<DVec3>,
-    /// The variance over the source of what is reflected of it, summed over channels, (W/m^2)^2.
-    pub variance: f64,
-}
-
-impl Parts {
-    /// One more, of so many m^2, with the light of its corners and its reflectance; the source's part of it has these corners
-    /// in it.
-    fn add(&mut self, area: f64, lights: [&Light; 3], corners: [DVec3; 3], rho: DVec3) {
-        let reflected = corners.map(|at| {
-            let lights = lights.iter().zip(at.to_array());
-            rho * lights
-                .map(|(light, w)| w * light.irradiance())
-                .sum::<DVec3>()
-        });
-        self.reflected += area * reflected.into_iter().sum::<DVec3>() / 3.0;
-        self.square += area * mean_square(reflected);
-        let middle = corners.into_iter().sum::<DVec3>() / 3.0;
-        let weights = (area * middle).to_array();
-        self.leaves += 1;
-        self.area += area;
-        for (light, weight) in lights.into_iter().zip(weights) {
-            self.irradiance += weight * light.irradiance();
-            self.correction += weight * light.correction;
-        }
-    }
-
-    fn means(self) -> Means {
-        if self.leaves == 0 {
-            return Means {
-                receives: Receives::BesidesItsRow(DVec3::ZERO),
-                linear: None,
-                variance: 0.0,
-            };
-        }
-        let receives = if self.leaves >= FEWEST_LEAVES {
-            let mean = (self.irradiance + self.missed) / self.area;
-            Receives::OnTheMean(mean.max(DVec3::ZERO))
-        } else {
-            Receives::BesidesItsRow(self.correction / self.area)
-        };
-        Means {
-            receives,
-            linear: Some(self.irradiance / self.area),
-            variance: (self.square / self.area - (self.reflected / self.area).length_squared())
-                .max(0.0),
-        }
-    }
-}
-
 /// The size of the mesh and of the reflected radiosity on it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Size {
@@ -526,7 +398,7 @@ impl Size {
     /// A difference of radiosities as each target weighs it: squared, over what the target relates it to.
     pub fn weighed(&self, difference: DVec3, radiosity: DVec3) -> [f64; 2] {
         let power = difference.length_squared() / self.square.max(f64::MIN_POSITIVE);
-        let floor = FLOOR * self.mean;
+        let floor = VISIBLE_FLOOR * self.mean;
         let relative = difference / (radiosity.max(DVec3::ZERO) + floor.max(f64::MIN_POSITIVE));
         [
             power / self.area,
@@ -564,11 +436,6 @@ impl Ambient {
         // Where nothing is received or nothing absorbed there is nothing to go by.
         DVec3::select(share.abs().cmplt(DVec3::ONE), share, DVec3::ZERO)
     }
-}
-
-/// The mean square, summed over channels, of what is linear between the corners of a triangle.
-fn mean_square([a, b, c]: [DVec3; 3]) -> f64 {
-    (a * a + b * b + c * c + a * b + b * c + c * a).element_sum() / 6.0
 }
 
 /// Of two targets.

@@ -39,6 +39,7 @@ mod direct;
 mod gatherer;
 mod growth;
 mod lit_mesh;
+mod means;
 mod report;
 mod roots;
 mod second_look;
@@ -60,6 +61,7 @@ use checks::Sample;
 use gatherer::{Gatherer, Light};
 use growth::Growth;
 use lit_mesh::LitMesh;
+use second_look::Within;
 use vertices::Place;
 
 pub use report::{Cause, ErrorByCause, Errors, FunctionEnd, FunctionReport};
@@ -69,6 +71,9 @@ const COARSEST: f64 = 1.0 / 512.0;
 
 /// How far inside of the triangle that it came with a vertex on a wall's side gathers, as a share of the way to its middle.
 const INSET: f64 = 1.0 / 64.0;
+
+/// The share of the mean radiosity below which differences of what is visible count for less and less.
+pub(crate) const VISIBLE_FLOOR: f64 = 0.05;
 
 /// How many other samples have to confirm together that the error is as small as was asked for.
 const CONFIRMATIONS: u32 = 2;
@@ -167,10 +172,9 @@ pub fn gather<'a>(
         patches: sources.prolonged(irradiance),
         gathering,
     };
-    let Some(report) = making.run()? else {
+    let Some((function, report)) = making.run()? else {
         return Ok(None);
     };
-    let (function, report) = report;
     Ok(Some(Gathered {
         function,
         report,
@@ -221,13 +225,15 @@ impl Making<'_, '_> {
                     return Ok(None);
                 }
                 let function = self.growth.lit().function()?;
-                let Some(mut sample) = self.sampled(&function, 1)? else {
+                let means = self.growth.lit().means(self.gatherer.sources());
+                let within = self.gatherer.within(function.clone(), &means);
+                let Some(mut sample) = self.sampled(&within, 1)? else {
                     return Ok(None);
                 };
                 let mut error = self.growth.judge(&sample, iterations);
                 // Who believes the first sample that looks good has been lucky as a rule: other ones tell.
                 if self.growth.is_reached(error.total) {
-                    let others = self.sampled(&function, CONFIRMATIONS)?;
+                    let others = self.sampled(&within, CONFIRMATIONS)?;
                     let Some(others) = others else {
                         return Ok(None);
                     };
@@ -241,8 +247,7 @@ impl Making<'_, '_> {
                     && self.growth.wants_finer_sources(&error)
                     && self.growth.is_enough(error.mesh)
                 {
-                    let means = self.growth.lit().means(self.gatherer.sources());
-                    let Some(lights) = self.gatherer.refine(function, &means) else {
+                    let Some(lights) = self.gatherer.refine(within) else {
                         return Ok(None);
                     };
                     let lights = lights.to_vec();
@@ -301,14 +306,9 @@ impl Making<'_, '_> {
         Ok((function.with_error(patch_errors)?, report))
     }
 
-    /// What is found in so many rounds of checks; `None` where it is cancelled.
-    fn sampled(
-        &mut self,
-        function: &IrradianceFunction,
-        rounds: u32,
-    ) -> Result<Option<Sample>, BackendError> {
+    /// What is found in so many rounds of checks, where sources are within as they are now; `None` where it is cancelled.
+    fn sampled(&mut self, within: &Within, rounds: u32) -> Result<Option<Sample>, BackendError> {
         let mut sample = Sample::default();
-        let means = self.growth.lit().means(self.gatherer.sources());
         for _ in 0..rounds {
             let checks = self.growth.checks();
             let places: Vec<Place> = checks.iter().map(|check| check.place).collect();
@@ -318,7 +318,7 @@ impl Making<'_, '_> {
             // Which cost several times what gathering does, and find much the same everywhere.
             let again: Vec<usize> = (0..places.len()).step_by(LOOK_EVERY).collect();
             let places: Vec<Place> = again.iter().map(|&k| places[k]).collect();
-            let Some(looks) = self.gatherer.look_again(function.clone(), &means, &places) else {
+            let Some(looks) = self.gatherer.look_again(within, &places) else {
                 return Ok(None);
             };
             sample = sample.and(Sample {

@@ -83,7 +83,7 @@ impl Cause {
     fn describe(self) -> &'static str {
         match self {
             Self::Mesh => "the mesh",
-            Self::Sources => "the size of patches",
+            Self::Sources => "the size of sources",
             Self::Pixels => "pixels",
             Self::Iterations => "iterations",
         }

@@ -71,9 +71,9 @@ struct Arguments {
         ("jacobi", SolverChoice::Jacobi), ("gauss-seidel", SolverChoice::GaussSeidel),
         ("shooting", SolverChoice::Shooting)]))]
     solver: SolverChoice,
-    /// Join patches to sources of at most A m^2, solve among these, then let each patch gather from them: patches
-    /// (one level), auto (in scenes of more than 65536 patches sources as coarse as an estimated error of 0.5
-    /// percent allows), or A
+    /// Join patches to sources of at most A m^2, solve among these, then let vertices or each patch gather from them: patches
+    /// (one level), auto (where vertices gather as coarse as the error allows that is asked for; by patches in scenes of more
+    /// than 65536 as an estimated error of 0.5 percent allows), or A
     #[arg(long, default_value = "auto", value_name = "A")]
     source_area: SourceArea,
     /// How wrong the light may be: 2% of the power, 4%visible of what is visible, or both, as in 2%,4%visible. It is gathered
@@ -84,7 +84,7 @@ struct Arguments {
     /// --iterations 0]
     #[arg(long, value_enum, conflicts_with = "target_error")]
     quality: Option<Quality>,
-    /// Stop after N iterations, those that IN has had included
+    /// Stop after N iterations, those that IN has had included; where vertices gather, that is the last one
     #[arg(long, value_name = "N")]
     iterations: Option<u64>,
     /// Stop when an iteration changes the radiosities by less than this share [default: 1e-5]
