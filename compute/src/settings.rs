@@ -346,9 +346,24 @@ impl SolutionSettings {
     }
 }
 
-/// What is asked of an irradiance function, see [`crate::function`].
+/// Whose error is to be as small as is asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Wanted {
+    /// That of an irradiance function, see [`crate::function`].
+    #[default]
+    Function,
+    /// That of patches' means, of which those gather at more points that need it, see [`crate::function::means_of_patches`].
+    Means,
+    /// The same, at the points that are asked for and no others.
+    MeansAtPoints,
+}
+
+/// The error that is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Target {
+    /// Whose.
+    pub of: Wanted,
     /// The largest power error, relative.
     pub power: Option<f64>,
     /// The largest visible error, relative.
@@ -365,9 +380,10 @@ const VISIBLE_OVER_POWER: f64 = 2.5;
 const MOST_VERTICES: u32 = 1 << 22;
 
 impl Target {
-    /// At most these errors, relative.
+    /// At most these errors of an irradiance function, relative.
     pub fn of(power: Option<f64>, visible: Option<f64>) -> Self {
         Self {
+            of: Wanted::Function,
             power,
             visible,
             most_vertices: MOST_VERTICES,
@@ -400,7 +416,7 @@ pub struct SolveSettings {
     pub checkpoint_every: Duration,
     /// Whether all rows are drawn, those too that the solution does not need, so that they can be certified.
     pub all_rows: bool,
-    /// What the irradiance function is asked for that is gathered in the end; `None` where patches' means are all.
+    /// The error that is asked for; `None` where there is no irradiance function, and nobody asks for the error of patches' means.
     pub target: Option<Target>,
 }
 
@@ -421,6 +437,11 @@ impl Default for SolveSettings {
 }
 
 impl SolveSettings {
+    /// What an irradiance function is asked for that is gathered in the end; `None` where patches' means are all.
+    pub fn function(&self) -> Option<Target> {
+        self.target.filter(|target| target.of == Wanted::Function)
+    }
+
     /// The command line after IN and OUT that asks for these, but for when a run saves and stops on the way.
     pub fn options(&self) -> String {
         let mut settings = RecordedSettings::new(&self.solution);

@@ -21,9 +21,8 @@ fn settings(power: f64) -> SolveSettings {
     settings.solution.form_factors.resolution = 32;
     settings.solution.form_factors.points = Points::CENTROID;
     settings.target = Some(Target {
-        power: Some(power),
-        visible: None,
         most_vertices: 1 << 16,
+        ..Target::of(Some(power), None)
     });
     settings
 }
@@ -469,4 +468,37 @@ fn qualities_are_names_for_options() {
         "1%",
     ];
     assert_eq!(compute(folder.path(), &both).status.code(), Some(2));
+}
+
+/// Means of patches: points that are given stay, else more gather where the error asks for it, by any number of threads the same ones.
+#[test]
+fn means_are_taken_at_as_many_points_as_their_error_asks_for() {
+    let folder = folder();
+    let scene = colourful_room(0.1);
+    save(folder.path(), "in.rad", &scene);
+    let points_and_end = |out: &str, arguments: &[&str]| {
+        let all = ["in.rad", out, "--quality", "mesh", "--report", "r.json"];
+        solve(folder.path(), &[&all, arguments].concat());
+        let report = std::fs::read(folder.path().join("r.json")).unwrap();
+        let report: Value = serde_json::from_slice(&report).unwrap();
+        let function = &report["function"];
+        let points = function["points"].as_u64().unwrap();
+        let power = function["error"]["total"]["power"].as_f64().unwrap();
+        (
+            points,
+            power,
+            function["stopped_by"].as_str().unwrap().to_owned(),
+        )
+    };
+    let patches = u64::from(scene.patch_count());
+    let fixed = ["--target-error", "0.2%", "--points", "centroid"];
+    let (points, error, end) = points_and_end("a.rad", &fixed);
+    assert_eq!((points, end.as_str()), (patches, "other-causes"));
+    assert!(error > 0.002, "{error}");
+    let free = ["--target-error", "0.2%", "--threads", "1"];
+    let (points, finer, _) = points_and_end("b.rad", &free);
+    assert!(points > patches && finer < error, "{points} {finer}");
+    points_and_end("c.rad", &["--target-error", "0.2%", "--threads", "3"]);
+    let [one, three] = ["b.rad", "c.rad"].map(|name| load(folder.path(), name).irradiance);
+    assert_eq!(one, three);
 }

@@ -1,8 +1,8 @@
 //! Points at which a function is compared with what is gathered there, drawn by chance.
 
 use glam::DVec3;
-use scene::SurfaceId;
 use scene::function::NodeId;
+use scene::{PatchId, SurfaceId};
 
 use super::gatherer::{Light, Look};
 use super::vertices::Place;
@@ -14,7 +14,7 @@ pub(super) enum Part {
     /// Linear between the vertices of a leaf.
     Leaf(NodeId),
     /// One value: this reflected radiosity, W/m^2.
-    Patch(DVec3),
+    Patch(PatchId, DVec3),
 }
 
 /// A triangle in which points may be drawn.
@@ -137,7 +137,7 @@ mod tests {
         let parts = [(0.7, 1.0), (0.05, 5.0), (0.25, 0.1)];
         let candidates = parts.map(|(share, area)| {
             let candidate = Candidate {
-                part: Part::Patch(DVec3::splat(area)),
+                part: Part::Patch(PatchId(0), DVec3::splat(area)),
                 surface: SurfaceId(0),
                 corners: [DVec3::X, DVec3::Y, DVec3::Z],
                 in_part: [DVec3::X, DVec3::Y, DVec3::Z],
@@ -148,8 +148,7 @@ mod tests {
         let checks = draw(&candidates, 1000, 7);
         assert_eq!(checks.len(), 1000);
         for (share, area) in parts {
-            let is_here =
-                |check: &&Check| matches!(check.part, Part::Patch(of) if of == DVec3::splat(area));
+            let is_here = |check: &&Check| matches!(check.part, Part::Patch(_, of) if of == DVec3::splat(area));
             let here: Vec<&Check> = checks.iter().filter(is_here).collect();
             assert!(
                 (here.len() as f64 - 1000.0 * share).abs() <= 1.0,

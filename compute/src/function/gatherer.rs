@@ -45,6 +45,27 @@ pub(super) struct Light {
 }
 
 impl Light {
+    /// None, where nothing is seen.
+    pub const DARK: Self = Self {
+        direct: DVec3::ZERO,
+        by_sources: DVec3::ZERO,
+        correction: DVec3::ZERO,
+        surfaces: 0.0,
+        within: 0.0,
+    };
+
+    /// The same and so much more of another one, each part of it.
+    #[must_use]
+    pub fn plus(self, share: f64, other: &Self) -> Self {
+        Self {
+            direct: self.direct + share * other.direct,
+            by_sources: self.by_sources + share * other.by_sources,
+            correction: self.correction + share * other.correction,
+            surfaces: self.surfaces + share * other.surfaces,
+            within: self.within + share * other.within,
+        }
+    }
+
     /// All that it receives. A correction is a small difference, and may be more than all that a dark place receives.
     pub fn irradiance(&self) -> DVec3 {
         (self.direct + self.by_sources + self.correction).max(self.direct)
@@ -131,6 +152,11 @@ impl<'a, 'c> Gatherer<'a, 'c> {
         self.sources.prolonged(values)
     }
 
+    /// From now on sources receive this, W/m^2, one per source.
+    pub fn receive(&mut self, irradiance: &[Rgb]) {
+        self.radiosity = radiosities(&self.problem, irradiance);
+    }
+
     /// Whether sources are more than one value each.
     pub fn is_refined(&self) -> bool {
         self.within.is_some()
@@ -202,7 +228,7 @@ impl<'a, 'c> Gatherer<'a, 'c> {
         means: &[Means],
     ) -> Result<Option<&[Light]>, BackendError> {
         if let Some(irradiance) = irradiance {
-            self.radiosity = radiosities(&self.problem, irradiance);
+            self.receive(irradiance);
         }
         let radiosity = &self.radiosity;
         let renew = |light: &mut Light, row: &[Entry]| {

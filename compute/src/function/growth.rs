@@ -92,8 +92,7 @@ impl<'s> Growth<'s> {
 
     /// What is asked of all causes together, squared, power then visible; infinite where nothing is.
     fn target_squared(&self) -> [f64; 2] {
-        [self.target.power, self.target.visible]
-            .map(|error| error.map_or(f64::INFINITY, |error| error * error))
+        asked(&self.target)
     }
 
     /// Whether there may be no more vertices.
@@ -131,8 +130,16 @@ impl<'s> Growth<'s> {
 
     /// What a sample says of the function, whose solution's iteration has this error.
     pub fn judge(&mut self, sample: &Sample, iterations: Errors) -> ErrorByCause {
-        let [sources, pixels] = self.causes(sample);
-        ErrorByCause::new(self.compare(sample), sources, pixels, iterations)
+        let [sources, pixels] = causes(&self.lit, sample);
+        self.noise = pixels;
+        ErrorByCause {
+            mesh: self.compare(sample),
+            sources: errors(sources),
+            pixels: errors(pixels.map(|square| VERTEX_NOISE * square)),
+            iterations,
+            ..ErrorByCause::default()
+        }
+        .added_up()
     }
 
     /// What the function misses at points at which this was gathered, but for what pixels bring.
@@ -152,7 +159,7 @@ impl<'s> Growth<'s> {
                     let area = self.lit.mesh().area(leaf);
                     self.found.push((leaf, weighed.map(|w| area * w)));
                 }
-                Part::Patch(radiosity) => {
+                Part::Patch(_, radiosity) => {
                     let weighed = weighed(radiosity);
                     in_patches = [0, 1].map(|t| in_patches[t] + check.area * weighed[t]);
                 }
@@ -170,7 +177,7 @@ impl<'s> Growth<'s> {
 
     /// Whether more vertices have not made the mesh better for a while: then what is missing is not the mesh's.
     pub fn is_stuck(&mut self, mesh: Errors) -> bool {
-        let found = [mesh.power.powi(2), mesh.visible.powi(2)];
+        let found = squares(&mesh);
         let vertices = self.lit.mesh().vertex_count();
         let (least, at) = self.least;
         // What is small enough already may fall for ever.
@@ -199,74 +206,14 @@ impl<'s> Growth<'s> {
         is_below(mesh, self.asked)
     }
 
-    /// What sources and pixels bring, by what places see when they look a second time. What sources bring on the whole is
-    /// reflected on, as ambient light.
-    fn causes(&mut self, sample: &Sample) -> [Errors; 2] {
-        let Sample {
-            checks,
-            lights,
-            looks,
-        } = sample;
-        let size = self.lit.size();
-        // Those that look stand for the others.
-        let for_others = checks.len() as f64 / looks.len().max(1) as f64;
-        let seen = || {
-            looks.iter().map(|&(k, look)| {
-                let rho = self.lit.reflectance(&checks[k]);
-                (for_others * checks[k].area, rho, &lights[k], look)
-            })
-        };
-        let mut ambient = Ambient::default();
-        for (area, rho, light, look) in seen() {
-            ambient.add(area, rho, look.by_function, light.by_sources);
-        }
-        let ambient = ambient.share(self.lit.absorbing_area());
-        let mut sums = [[0.0; 2]; 2];
-        for (area, rho, light, look) in seen() {
-            let gathered = rho * light.irradiance();
-            // Both looks have their own pixels.
-            let by_pixels = (look.by_sources - light.by_sources) / SQRT_2;
-            let by_sources = look.by_function + ambient * light.by_sources;
-            for (sums, difference) in sums.iter_mut().zip([by_sources, by_pixels]) {
-                let weighed = size.weighed(rho * difference, gathered);
-                *sums = [0, 1].map(|t| sums[t] + area * weighed[t]);
-            }
-        }
-        let [sources, pixels] = sums;
-        self.noise = pixels;
-        [
-            errors(sources),
-            errors(pixels.map(|square| VERTEX_NOISE * square)),
-        ]
-    }
-
     /// Asks of the mesh what the other causes leave of what is asked of all. Sources count unless they are going to be finer.
     pub fn ask(&mut self, error: &ErrorByCause, can_refine: bool) {
         let are_sources_final = !can_refine || !self.wants_finer_sources(error);
         let target = self.target_squared();
-        let ErrorByCause {
-            sources,
-            pixels,
-            iterations,
-            ..
-        } = error;
-        let others = [*pixels, *iterations, *sources];
+        let others = [error.pixels, error.iterations, error.sources];
         let others = others.iter().take(if are_sources_final { 3 } else { 2 });
-        let others = others.fold([0.0; 2], |sums, error| {
-            [
-                sums[0] + error.power.powi(2),
-                sums[1] + error.visible.powi(2),
-            ]
-        });
-        self.asked = [0, 1].map(|t| {
-            let room = target[t] - others[t];
-            // Where nothing is asked there is room; else a mesh that is much better than the rest is no use.
-            if target[t].is_infinite() || room > LEAST_ROOM * target[t] {
-                room
-            } else {
-                others[t]
-            }
-        });
+        let others = others.map(squares).fold([0.0; 2], sum);
+        self.asked = room(target, others);
     }
 
     /// Whether the size of sources takes more than its share of what is asked of all causes.
@@ -332,14 +279,73 @@ impl<'s> Growth<'s> {
     }
 }
 
+/// What sources and pixels bring to a place, squared, each by target, as places tell that look a second time. What sources bring on
+/// the whole is reflected on, as ambient light.
+pub(super) fn causes(lit: &LitMesh, sample: &Sample) -> [[f64; 2]; 2] {
+    let Sample {
+        checks,
+        lights,
+        looks,
+    } = sample;
+    let size = lit.size();
+    // Those that look stand for the others.
+    let for_others = checks.len() as f64 / looks.len().max(1) as f64;
+    let seen = || {
+        looks.iter().map(|&(k, look)| {
+            let rho = lit.reflectance(&checks[k]);
+            (for_others * checks[k].area, rho, &lights[k], look)
+        })
+    };
+    let mut ambient = Ambient::default();
+    for (area, rho, light, look) in seen() {
+        ambient.add(area, rho, look.by_function, light.by_sources);
+    }
+    let ambient = ambient.share(lit.absorbing_area());
+    let mut sums = [[0.0; 2]; 2];
+    for (area, rho, light, look) in seen() {
+        let gathered = rho * light.irradiance();
+        // Both looks have their own pixels.
+        let by_pixels = (look.by_sources - light.by_sources) / SQRT_2;
+        let by_sources = look.by_function + ambient * light.by_sources;
+        for (sums, difference) in sums.iter_mut().zip([by_sources, by_pixels]) {
+            let weighed = size.weighed(rho * difference, gathered);
+            *sums = [0, 1].map(|t| sums[t] + area * weighed[t]);
+        }
+    }
+    sums
+}
+
 /// What leaves miss together.
 fn all(leaves: &[(NodeId, [f64; 2])]) -> [f64; 2] {
     let each = leaves.iter().map(|&(_, missing)| missing);
     each.fold([0.0; 2], sum)
 }
 
+/// What a target asks of all causes together, squared, power then visible; infinite where it asks nothing.
+pub(super) fn asked(target: &Target) -> [f64; 2] {
+    [target.power, target.visible].map(|error| error.map_or(f64::INFINITY, |error| error * error))
+}
+
+/// What is asked of one cause where all together are asked for this and the others have that, squared, power then visible.
+pub(super) fn room(target: [f64; 2], others: [f64; 2]) -> [f64; 2] {
+    [0, 1].map(|t| {
+        let room = target[t] - others[t];
+        // Where nothing is asked there is room; else one that is much better than the rest is no use.
+        if target[t].is_infinite() || room > LEAST_ROOM * target[t] {
+            room
+        } else {
+            others[t]
+        }
+    })
+}
+
+/// Power, then visible.
+pub(super) fn squares(errors: &Errors) -> [f64; 2] {
+    [errors.power.powi(2), errors.visible.powi(2)]
+}
+
 /// Of sums of squares.
-fn errors([power, visible]: [f64; 2]) -> Errors {
+pub(super) fn errors([power, visible]: [f64; 2]) -> Errors {
     Errors {
         power: power.sqrt(),
         visible: visible.sqrt(),
@@ -347,7 +353,7 @@ fn errors([power, visible]: [f64; 2]) -> Errors {
 }
 
 /// Whether errors are at most the roots of these.
-fn is_below(Errors { power, visible }: Errors, squares: [f64; 2]) -> bool {
+pub(super) fn is_below(Errors { power, visible }: Errors, squares: [f64; 2]) -> bool {
     power.powi(2) <= squares[0] && visible.powi(2) <= squares[1]
 }
 
@@ -370,15 +376,13 @@ mod tests {
         let scene = scene();
         let mesh = Refinement::new(&scene, |_| true, |_, _| true);
         for (power, visible) in [(Some(0.05), None), (None, Some(0.05))] {
-            let target = Target {
-                power,
-                visible,
-                most_vertices: 100,
-            };
+            let target = Target::of(power, visible);
             let lit = LitMesh::new(&scene, mesh.clone());
             let mut growth = Growth::new(lit, target);
-            let none = Errors::default();
-            let error = ErrorByCause::new(none, none, Errors::splat(0.03), none);
+            let error = ErrorByCause {
+                pixels: Errors::splat(0.03),
+                ..ErrorByCause::default()
+            };
             growth.ask(&error, false);
             for (asked, target) in growth.asked.into_iter().zip([power, visible]) {
                 if target.is_some() {

@@ -1,6 +1,7 @@
 //! A mesh whose vertices have light, and what it is likely to miss.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -35,6 +36,14 @@ pub(super) struct FlatPatch {
     pub area: f64,
     /// Reflected radiosity, W/m^2.
     pub radiosity: DVec3,
+}
+
+impl FlatPatch {
+    /// What it is taken to miss, by target.
+    pub fn missed(&self, size: &Size) -> [f64; 2] {
+        let missed = size.weighed(FLAT_MISSES * self.radiosity, self.radiosity);
+        missed.map(|missed| self.area * missed)
+    }
 }
 
 /// A mesh with the light of its vertices, and what has no vertices.
@@ -98,6 +107,19 @@ impl<'s> LitMesh<'s> {
         self.lights.copy_from_slice(lights);
     }
 
+    /// Gives each vertex a light that depends on the one it has.
+    pub fn renew_by(&mut self, light: impl Fn(VertexId, Light) -> Light) {
+        for (vertex, before) in (0..).map(VertexId).zip(&mut self.lights) {
+            *before = light(vertex, *before);
+        }
+    }
+
+    /// What the corners of a leaf receive.
+    pub fn lights(&self, leaf: NodeId) -> [&Light; 3] {
+        let corners = self.mesh.corners(leaf);
+        corners.map(|vertex| &self.lights[vertex.0 as usize])
+    }
+
     /// Gives patches that have no vertices their light: what they receive, W/m^2, one per patch. `is_lit` tells which surfaces
     /// light can reach.
     pub fn light_patches(&mut self, irradiance: &[Rgb], is_lit: &dyn Fn(SurfaceId) -> bool) {
@@ -121,6 +143,11 @@ impl<'s> LitMesh<'s> {
     /// What sources receive, one per source; `sources` is the scene whose patches they are.
     pub fn means(&self, sources: &Scene) -> Vec<Means> {
         means::means(&self.mesh, &self.lights, &self.reflectance, sources)
+    }
+
+    /// What has no vertices.
+    pub fn flat(&self) -> &[FlatPatch] {
+        &self.flat
     }
 
     /// The reflectance where a function is checked, dimensionless.
@@ -245,7 +272,7 @@ impl<'s> LitMesh<'s> {
     }
 
     /// What a leaf is likely to miss since sources are one value each, by target.
-    fn missed_of_sources(&self, leaf: NodeId, size: &Size) -> [f64; 2] {
+    pub fn missed_of_sources(&self, leaf: NodeId, size: &Size) -> [f64; 2] {
         let rho = self.reflectance[self.mesh.surface(leaf).index()];
         let corners = self.mesh.corners(leaf);
         let within = corners.map(|vertex| self.lights[vertex.0 as usize].within);
@@ -301,10 +328,9 @@ impl<'s> LitMesh<'s> {
             }
         }
         for flat in &self.flat {
-            let missing = size.weighed(FLAT_MISSES * flat.radiosity, flat.radiosity);
-            let [power, visible] = missing.map(|missing| flat.area * missing);
+            let [power, visible] = flat.missed(&size);
             let candidate = Candidate {
-                part: Part::Patch(flat.radiosity),
+                part: Part::Patch(flat.patch, flat.radiosity),
                 surface: self.scene.mesh().surface_of(flat.patch),
                 in_part: [DVec3::X, DVec3::Y, DVec3::Z],
                 corners: self.scene.patch_in_surface(flat.patch),
@@ -338,25 +364,16 @@ impl<'s> LitMesh<'s> {
             let [of_spots, _] = of_spots.into_iter().flatten().fold([0.0; 2], sum);
             let missed = of_corners * missed + of_spots;
             let there = self.mesh.area(leaf) * mean_square(self.radiosities(leaf));
-            let tree = self.scene.mesh().tree(self.mesh.surface(leaf));
-            let (depth, code) = self.mesh.bisections(leaf);
-            let patches = if depth >= tree.depth {
-                let code = code >> (depth - tree.depth);
-                code..code + 1
-            } else {
-                let deeper = tree.depth - depth;
-                code << deeper..(code + 1) << deeper
-            };
+            let patches = self.patches_of(leaf);
             let share = 1.0 / patches.len() as f64;
             for patch in patches {
-                let sums = &mut of_patch[(tree.first_patch.0 + patch) as usize];
+                let sums = &mut of_patch[patch as usize];
                 *sums = sum(*sums, [share * missed, share * there]);
             }
         }
         for flat in &self.flat {
-            let [missed, _] = size.weighed(FLAT_MISSES * flat.radiosity, flat.radiosity);
-            let there = flat.area * flat.radiosity.length_squared();
-            of_patch[flat.patch.index()] = [flat.area * missed, there];
+            let [missed, _] = flat.missed(&size);
+            of_patch[flat.patch.index()] = [missed, flat.area * flat.radiosity.length_squared()];
         }
         let all: f64 = of_patch.iter().map(|[missed, _]| missed).sum();
         let scale = mesh.power.powi(2) * size.square * size.area / all.max(f64::MIN_POSITIVE);
@@ -371,6 +388,19 @@ impl<'s> LitMesh<'s> {
                 ((scale * missed + others * there) / (3.0 * area)).sqrt() as f32
             })
             .collect()
+    }
+
+    /// The patches that a leaf covers, or the one that it is a part of.
+    pub fn patches_of(&self, leaf: NodeId) -> Range<u32> {
+        let tree = self.scene.mesh().tree(self.mesh.surface(leaf));
+        let (depth, code) = self.mesh.bisections(leaf);
+        let first = tree.first_patch.0;
+        if let Some(deeper) = depth.checked_sub(tree.depth) {
+            let patch = first + (code >> deeper);
+            return patch..patch + 1;
+        }
+        let deeper = tree.depth - depth;
+        first + (code << deeper)..first + ((code + 1) << deeper)
     }
 
     /// The function as it is; an error where a value is beyond what f32 holds.
@@ -404,6 +434,13 @@ impl Size {
             power / self.area,
             relative.length_squared() / 3.0 / self.area,
         ]
+    }
+}
+
+impl Size {
+    /// The root mean square over an area, m^2, and the channels of what is so much as the first target weighs it, W/m^2.
+    pub fn unweighed(&self, power: f64, area: f64) -> f64 {
+        (power * self.square * self.area / (3.0 * area)).sqrt()
     }
 }
 

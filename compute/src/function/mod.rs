@@ -40,6 +40,7 @@ mod gatherer;
 mod growth;
 mod lit_mesh;
 mod means;
+mod patches;
 mod report;
 mod roots;
 mod second_look;
@@ -54,6 +55,7 @@ use visibility::Drawable;
 
 use crate::FormFactors;
 use crate::cancel::CancelToken;
+use crate::compact_rows::Row;
 use crate::rows::BackendError;
 use crate::settings::Target;
 use crate::sources::Sources;
@@ -64,6 +66,7 @@ use lit_mesh::LitMesh;
 use second_look::Within;
 use vertices::Place;
 
+pub use patches::{MeansOfPatches, means_of_patches};
 pub use report::{Cause, ErrorByCause, Errors, FunctionEnd, FunctionReport};
 
 /// Leaves are at most this share of the scene's area.
@@ -129,6 +132,13 @@ pub trait Resolve {
     /// # Errors
     /// What a back end says.
     fn resolve(&mut self, known: &[Receives]) -> Result<Option<Vec<Rgb>>, BackendError>;
+
+    /// Hands out the rows of sources to each other, those that light cannot reach left out. False where there are none, or it is
+    /// cancelled.
+    ///
+    /// # Errors
+    /// What a back end says.
+    fn for_each_row(&mut self, take: &mut dyn FnMut(usize, Row)) -> Result<bool, BackendError>;
 }
 
 /// A function, and what goes with it.
@@ -297,6 +307,7 @@ impl Making<'_, '_> {
             triangles: mesh.leaves().count() as u32,
             covered: self.growth.lit().area() / self.scene.area(),
             checks,
+            points: None,
             error: is_known.then_some(*error),
             is_reached: is_known && self.growth.is_reached(error.total),
             stopped_by,

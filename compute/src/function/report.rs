@@ -39,6 +39,9 @@ pub struct FunctionReport {
     pub checks: u32,
     /// Estimates of its error, by cause; null where light reaches nothing, and after too few iterations.
     pub error: Option<ErrorByCause>,
+    /// Points at which patches have gathered, where it is their means that an error is asked of, and there are no vertices.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub points: Option<u64>,
     /// Whether that is as small as was asked for.
     pub is_reached: bool,
     /// Why there are no more vertices.
@@ -77,6 +80,8 @@ pub enum Cause {
     Pixels,
     /// That the iteration came to an end.
     Iterations,
+    /// That patches' means are taken at few points, by hemicubes of few pixels.
+    Sampling,
 }
 
 impl Cause {
@@ -86,6 +91,7 @@ impl Cause {
             Self::Sources => "the size of sources",
             Self::Pixels => "pixels",
             Self::Iterations => "iterations",
+            Self::Sampling => "points and pixels",
         }
     }
 }
@@ -103,45 +109,47 @@ pub struct ErrorByCause {
     pub pixels: Errors,
     /// That the iteration came to an end.
     pub iterations: Errors,
+    /// Of patches' means: that they are taken at few points, by hemicubes of few pixels.
+    pub sampling: Errors,
 }
 
 impl ErrorByCause {
-    /// Causes that know nothing of each other add up in squares.
-    pub(super) fn new(mesh: Errors, sources: Errors, pixels: Errors, iterations: Errors) -> Self {
+    /// The causes, each once.
+    fn causes(&self) -> [(Errors, Cause); 5] {
+        [
+            (self.mesh, Cause::Mesh),
+            (self.sources, Cause::Sources),
+            (self.pixels, Cause::Pixels),
+            (self.iterations, Cause::Iterations),
+            (self.sampling, Cause::Sampling),
+        ]
+    }
+
+    /// The same with the total of the causes: such as know nothing of each other add up in squares.
+    #[must_use]
+    pub(super) fn added_up(self) -> Self {
         let total = |of: fn(&Errors) -> f64| {
-            let causes = [mesh, sources, pixels, iterations];
-            causes
-                .iter()
-                .map(|cause| of(cause).powi(2))
-                .sum::<f64>()
-                .sqrt()
+            let squares = self.causes().map(|(cause, _)| of(&cause).powi(2));
+            squares.iter().sum::<f64>().sqrt()
         };
         Self {
             total: Errors {
                 power: total(|errors| errors.power),
                 visible: total(|errors| errors.visible),
             },
-            mesh,
-            sources,
-            pixels,
-            iterations,
+            ..self
         }
     }
 
     /// The cause that has most of the error, of that which is asked for.
     pub(super) fn worst(&self, target: &Target) -> Cause {
-        let causes = [
-            (self.mesh, Cause::Mesh),
-            (self.sources, Cause::Sources),
-            (self.pixels, Cause::Pixels),
-            (self.iterations, Cause::Iterations),
-        ];
         let size = |error: Errors| match target.power {
             Some(_) => error.power,
             None => error.visible,
         };
-        let worst = causes.into_iter();
-        let worst = worst.max_by(|(a, _), (b, _)| size(*a).total_cmp(&size(*b)));
+        // Of equal ones the first.
+        let causes = self.causes().into_iter().rev();
+        let worst = causes.max_by(|(a, _), (b, _)| size(*a).total_cmp(&size(*b)));
         worst.map_or(Cause::Mesh, |(_, cause)| cause)
     }
 }
@@ -152,8 +160,8 @@ impl FunctionReport {
         let Some(error) = &self.error else {
             return if self.checks > 0 {
                 format!(
-                    "unknown, since so few iterations do not tell what is left; {} vertices",
-                    self.vertices
+                    "unknown, since so few iterations do not tell what is left; {}",
+                    self.places()
                 )
             } else {
                 "none: light reaches nothing that reflects it".into()
@@ -171,7 +179,7 @@ impl FunctionReport {
         if let Some(object) = self.mostly_on {
             write!(line, ", on \"{}\"", scene.object(object)).ok();
         }
-        write!(line, "; {} vertices", self.vertices).ok();
+        write!(line, "; {}", self.places()).ok();
         if self.covered < MOSTLY {
             write!(line, " on {:.0} % of the area", 100.0 * self.covered).ok();
         }
@@ -182,10 +190,18 @@ impl FunctionReport {
             }
             FunctionEnd::TimeLimit => "; more than was asked for, stopped by --time-limit",
             FunctionEnd::OtherCauses => {
-                "; more than was asked for, and more vertices would not help"
+                "; more than was asked for, and more of them would not help"
             }
         };
         line
+    }
+
+    /// How many there are of what has gathered.
+    fn places(&self) -> String {
+        match self.points {
+            Some(points) => format!("{points} points of patches"),
+            None => format!("{} vertices", self.vertices),
+        }
     }
 }
 

@@ -22,6 +22,7 @@ use crate::quantity::{parse_duration, parse_size};
 use crate::row_file::path_beside;
 use crate::settings::{
     BackendChoice, Drawing, Quality, SolutionSettings, SolveSettings, SolverChoice, SourceArea,
+    Wanted,
 };
 
 /// Solves a scene by hemicube radiosity.
@@ -77,12 +78,13 @@ struct Arguments {
     #[arg(long, default_value = "auto", value_name = "A")]
     source_area: SourceArea,
     /// How wrong the light may be: 2% of the power, 4%visible of what is visible, or both, as in 2%,4%visible. It is gathered
-    /// at the vertices of a mesh that grows where light varies, whatever the patches, until its estimated error is no larger
+    /// at the vertices of a mesh that grows where light varies, whatever the patches, until its estimated error is no larger;
+    /// with --quality mesh it is that of patches' means, which are taken at more points where they vary
     #[arg(long, value_name = "ERROR")]
     target_error: Option<TargetError>,
     /// How good the result is to be [default: standard; mesh where nothing emits, and with --form-factors, --view-factors or
     /// --iterations 0]
-    #[arg(long, value_enum, conflicts_with = "target_error")]
+    #[arg(long, value_enum)]
     quality: Option<Quality>,
     /// Stop after N iterations, those that IN has had included; where vertices gather, that is the last one
     #[arg(long, value_name = "N")]
@@ -184,7 +186,10 @@ pub fn parse() -> Task {
             solve: Some(arguments),
             ..
         } => match arguments.check_files() {
-            Ok(()) => Task::Solve(Box::new(settings(arguments))),
+            Ok(()) => match settings(arguments) {
+                Ok(settings) => Task::Solve(Box::new(settings)),
+                Err(error) => error.exit(),
+            },
             Err(message) => usage_error(ErrorKind::ValueValidation, message),
         },
         CommandLine { .. } => usage_error(
@@ -194,7 +199,8 @@ pub fn parse() -> Task {
     }
 }
 
-fn settings(arguments: Arguments) -> Settings {
+/// What is asked of a run; options that do not go together are an error.
+fn settings(arguments: Arguments) -> Result<Settings, clap::Error> {
     let asks_for_form_factors = arguments.form_factors.is_some()
         || arguments.view_factors.is_some()
         || arguments.iterations == Some(0);
@@ -203,15 +209,23 @@ fn settings(arguments: Arguments) -> Settings {
         (None, None) if asks_for_form_factors => Quality::Mesh,
         (None, _) => Quality::default(),
     };
-    let mut solve = arguments.solve_settings(quality);
-    if let Some(error) = arguments.target_error {
-        solve.target = Some(error.target());
-    }
-    Settings {
+    let wanted = match (arguments.quality, arguments.target_error) {
+        (_, None) => quality.settings(),
+        (None, Some(error)) => Quality::settings_for(error.target()),
+        (Some(Quality::Mesh), Some(error)) => Quality::settings_for_means(error.target()),
+        (Some(_), Some(_)) => {
+            let message =
+                "of --quality and --target-error one says it all, unless it is --quality mesh";
+            let error = CommandLine::command().error(ErrorKind::ArgumentConflict, message);
+            return Err(error);
+        }
+    };
+    let solve = arguments.solve_settings(wanted);
+    Ok(Settings {
         solve,
         solve_without_light: match quality {
             Quality::Thesis => solve,
-            _ => arguments.solve_settings(Quality::Mesh),
+            _ => arguments.solve_settings(Quality::Mesh.settings()),
         },
         threads: arguments.threads.map(usize::from),
         rows_file_limit: arguments.rows_file_limit,
@@ -223,7 +237,7 @@ fn settings(arguments: Arguments) -> Settings {
         report: arguments.report,
         form_factors_csv: arguments.form_factors,
         view_factors_csv: arguments.view_factors,
-    }
+    })
 }
 
 /// What a run does that has these options after IN and OUT.
@@ -234,7 +248,7 @@ pub fn solve_settings(options: &str) -> Result<SolveSettings, clap::Error> {
     let words = ["compute", "IN", "OUT"].into_iter();
     let line = CommandLine::try_parse_from(words.chain(options.split_whitespace()))?;
     match line.solve {
-        Some(arguments) => Ok(settings(arguments).solve),
+        Some(arguments) => Ok(settings(arguments)?.solve),
         None => Err(CommandLine::command().error(
             ErrorKind::MissingRequiredArgument,
             "these are no options of a run",
@@ -252,9 +266,15 @@ pub fn backend_parser() -> impl TypedValueParser<Value = BackendChoice> {
 }
 
 impl Arguments {
-    /// What is asked for, and what is not as in a quality.
-    fn solve_settings(&self, quality: Quality) -> SolveSettings {
-        let defaults = quality.settings();
+    /// What is asked for, and what is not as in these.
+    fn solve_settings(&self, defaults: SolveSettings) -> SolveSettings {
+        let mut target = defaults.target;
+        if let Some(target) = &mut target
+            && target.of == Wanted::Means
+            && self.form_factor_settings.has_points()
+        {
+            target.of = Wanted::MeansAtPoints;
+        }
         SolveSettings {
             solution: SolutionSettings {
                 form_factors: self
@@ -273,7 +293,7 @@ impl Arguments {
             time_limit: self.time_limit,
             checkpoint_every: self.checkpoint_every,
             all_rows: self.strict,
-            target: defaults.target,
+            target,
         }
     }
 

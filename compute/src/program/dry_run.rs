@@ -43,7 +43,7 @@ fn text(settings: &Settings, cancel: &CancelToken) -> anyhow::Result<String> {
     let form_factors =
         FormFactors::new(&scene, solve.solution.form_factors, solve.drawing).with_cancel(cancel);
     let source_area = solve.solution.source_area;
-    let levels = match solve.target {
+    let levels = match solve.function() {
         Some(target) => form_factors.levels_of_function(source_area, target),
         None => form_factors.levels(source_area),
     };
@@ -92,7 +92,7 @@ fn text(settings: &Settings, cancel: &CancelToken) -> anyhow::Result<String> {
         "disk           {bytes} at most in OUT.rows, in runs of more than {}",
         show_duration(solve.checkpoint_every)
     ));
-    lines.extend(rows.light(solve.target, &scene, area.is_some()));
+    lines.extend(rows.light(solve.function(), &scene, area.is_some()));
     Ok(lines.join("\n"))
 }
 

@@ -126,8 +126,8 @@ pub(super) fn of_scene(settings: &Settings, scene: &Scene, before: Option<&Solut
     settings
 }
 
-/// Writes the form factors and the view factors between patches that were asked for. The rows are handed back where the
-/// scene is solved among its patches.
+/// Writes the form factors and the view factors between patches that were asked for, as one value a patch would have them. The rows
+/// are handed back where the scene is solved with them.
 fn write_factors<'s>(
     settings: &Settings,
     scene: &'s Scene,
@@ -138,7 +138,12 @@ fn write_factors<'s>(
     if settings.form_factors_csv.is_none() && settings.view_factors_csv.is_none() {
         return Ok(None);
     }
-    let solution = settings.solve.solution;
+    let has_function = settings.solve.function().is_some();
+    let solution = if has_function {
+        settings.solve_without_light.solution
+    } else {
+        settings.solve.solution
+    };
     let form_factors = FormFactors::new(scene, solution.form_factors, settings.solve.drawing)
         .going_on(before, solution)
         .with_cancel(cancel)
@@ -156,7 +161,7 @@ fn write_factors<'s>(
     }
     written?;
     let is_one_level = form_factors.levels(solution.source_area) == Levels::Patches;
-    Ok(is_one_level.then_some(rows))
+    Ok((is_one_level && !has_function).then_some(rows))
 }
 
 fn write_tables(

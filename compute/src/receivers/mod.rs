@@ -12,12 +12,19 @@ mod turn;
 
 use std::fmt::Debug;
 
+use glam::DVec3;
 use scene::SurfaceId;
 use visibility::Frame;
 
 pub use patches::{Closer, Patches};
 pub use sensors::{Sensor, Sensors};
 pub(crate) use turn::{mixed, turn};
+
+/// So many points or more in a triangle, under a rule of equal weights and a higher order than the centroid's, as far as there are
+/// such.
+pub(crate) fn points_in(corners: [DVec3; 3], at_least: u32) -> Vec<DVec3> {
+    rule::Rule::of_at_least(at_least).points(corners)
+}
 
 /// Index of a receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -127,13 +127,7 @@ pub struct Closer<'a> {
 impl<'a> Closer<'a> {
     /// Some of these patches; receiver i is the i-th of them.
     pub fn new(mut patches: Patches<'a>, chosen: Vec<PatchId>) -> Self {
-        let rule = |patch: &PatchId| {
-            let points = CLOSER * patches.rule(patch.0).count();
-            let bisections = points.div_ceil(3).next_power_of_two().ilog2();
-            Rule::ThreePoint {
-                bisections: bisections.min(Points::MAX_BISECTIONS),
-            }
-        };
+        let rule = |patch: &PatchId| Rule::of_at_least(CLOSER * patches.rule(patch.0).count());
         let rules: Vec<Rule> = chosen.iter().map(rule).collect();
         let mut firsts = vec![0];
         for rule in &rules {

@@ -15,6 +15,8 @@
 
 use glam::DVec3;
 
+use crate::settings::Points;
+
 /// Where the points of a patch stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rule {
@@ -31,6 +33,14 @@ pub(super) enum Rule {
 const CORNER_INSET: f64 = 1.0 / 64.0;
 
 impl Rule {
+    /// The rule of three points in each part that has so many points or more, as far as there are such.
+    pub fn of_at_least(points: u32) -> Self {
+        let bisections = points.div_ceil(3).next_power_of_two().ilog2();
+        Self::ThreePoint {
+            bisections: bisections.min(Points::MAX_BISECTIONS),
+        }
+    }
+
     /// Points a patch.
     pub fn count(self) -> u32 {
         match self {

@@ -1,7 +1,7 @@
 //! Qualities: names for what is asked of a run.
 
 use super::{
-    ClosedForms, FormFactorSettings, LampViews, Maps, Points, Seed, SolveSettings, Target,
+    ClosedForms, FormFactorSettings, LampViews, Maps, Points, Seed, SolveSettings, Target, Wanted,
 };
 
 /// How good a result is to be.
@@ -29,6 +29,10 @@ const THESIS_ITERATIONS: u64 = 7;
 /// Pixels along the face of a hemicube that a function gathers with: lamps have views of their own, and what else varies
 /// within so few is told by a second look (`docs/TRADEOFFS.md` has what others bring).
 const FUNCTION_RESOLUTION: u32 = 32;
+
+/// Pixels along the face of a hemicube where patches gather at as many points as their error asks for: what pixels bring
+/// falls with the points.
+const MEANS_RESOLUTION: u32 = 24;
 
 impl Quality {
     /// The errors that are asked for: of the power, and visible.
@@ -74,6 +78,28 @@ impl Quality {
             // Iterations that are counted are done, all of them.
             settings.tolerance = 0.0;
         }
+        settings
+    }
+
+    /// What is asked of a run that an error is asked of, of the irradiance function.
+    pub fn settings_for(error: Target) -> SolveSettings {
+        SolveSettings {
+            target: Some(error),
+            ..Self::default().settings()
+        }
+    }
+
+    /// The same of the means of patches.
+    pub fn settings_for_means(error: Target) -> SolveSettings {
+        let mut settings = Self::Mesh.settings();
+        settings.solution.form_factors = FormFactorSettings {
+            points: Points::CENTROID,
+            ..FormFactorSettings::new(MEANS_RESOLUTION)
+        };
+        settings.target = Some(Target {
+            of: Wanted::Means,
+            ..error
+        });
         settings
     }
 }

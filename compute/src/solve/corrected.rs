@@ -12,6 +12,7 @@
 
 use scene::{Provenance, Rgb, Solution, State};
 
+use crate::compact_rows::Row;
 use crate::function::{Receives, Resolve};
 use crate::problem::Problem;
 use crate::row_cache::RowCache;
@@ -74,7 +75,15 @@ impl<'r, 'a> Corrected<'r, 'a> {
 
 impl Resolve for Corrected<'_, '_> {
     fn resolve(&mut self, known: &[Receives]) -> Result<Option<Vec<Rgb>>, BackendError> {
-        let Some(by_rows) = self.iterate(Update::AfterIteration, Vec::new(), 1)? else {
+        let by_rows = if known
+            .iter()
+            .any(|known| matches!(known, Receives::OnTheMean(_)))
+        {
+            self.iterate(Update::AfterIteration, Vec::new(), 1)?
+        } else {
+            Some(self.irradiance.clone())
+        };
+        let Some(by_rows) = by_rows else {
             return Ok(None);
         };
         let defect = |(known, by_row): (&Receives, &Rgb)| match known {
@@ -88,6 +97,27 @@ impl Resolve for Corrected<'_, '_> {
         self.irradiance = irradiance;
         Ok(Some(self.irradiance.clone()))
     }
+
+    fn for_each_row(&mut self, take: &mut dyn FnMut(usize, Row)) -> Result<bool, BackendError> {
+        let unlit = self.rows.unlit().to_vec();
+        let mut source = 0;
+        while source < unlit.len() {
+            if unlit[source] {
+                source += 1;
+                continue;
+            }
+            if self.rows.cancel().is_cancelled() {
+                return Ok(false);
+            }
+            let batch = self.rows.batch_with(source as u32)?;
+            let [start, end] = [batch.receivers().start, batch.receivers().end].map(|k| k as usize);
+            for k in (source..end).filter(|&k| !unlit[k]) {
+                take(k, batch.row(k - start));
+            }
+            source = end;
+        }
+        Ok(true)
+    }
 }
 
 /// Who leaves it at what was solved.
@@ -96,5 +126,9 @@ pub(super) struct Uncorrected;
 impl Resolve for Uncorrected {
     fn resolve(&mut self, _: &[Receives]) -> Result<Option<Vec<Rgb>>, BackendError> {
         Ok(None)
+    }
+
+    fn for_each_row(&mut self, _: &mut dyn FnMut(usize, Row)) -> Result<bool, BackendError> {
+        Ok(false)
     }
 }

@@ -7,13 +7,20 @@ use super::levels::irradiances;
 use super::{Run, SolveError, SolveFault, Solved, SourcesReport, StoppedBy};
 use crate::certificate::{self, Certificate, Known};
 use crate::energy::{self, Closure, Energy};
-use crate::function::{self, FunctionFault, Gathered, Order, Resolve};
+use crate::function::{self, FunctionFault, Gathered, MeansOfPatches, Order, Resolve};
 use crate::problem::Problem;
+use crate::receivers::ReceiverId;
 use crate::row_cache::{RowCache, RowStatistics};
-use crate::settings::Target;
+use crate::settings::{Target, Wanted};
 use crate::solver::ambient_radiosity;
 use crate::solver::convergence::Convergence;
 use crate::sources::Sources;
+
+/// What an error is asked for of.
+enum Refined {
+    Function(Gathered),
+    Means(MeansOfPatches),
+}
 
 /// What there is to say of rows and a solution.
 struct Worth {
@@ -63,8 +70,13 @@ impl<'a> Run<'a, '_> {
             && !self.cancel.is_cancelled()
         {
             let is_converged = stopped_by == StoppedBy::Tolerance;
-            match self.function(rows, &solution, target, is_converged) {
-                Ok(Some(gathered)) => {
+            match self.refine(rows, &solution, target, is_converged) {
+                Ok(Some(Refined::Means(means))) => {
+                    solution.irradiance = means.irradiance;
+                    solution.state = State::AtRest;
+                    function = Some(means.report);
+                }
+                Ok(Some(Refined::Function(gathered))) => {
                     solution.irradiance = gathered.irradiance;
                     solution.state = State::AtRest;
                     solution.function = Some(gathered.function);
@@ -159,14 +171,14 @@ impl<'a> Run<'a, '_> {
         }
     }
 
-    /// The irradiance function of a solution whose rows these are. `None` where it is cancelled.
-    fn function<'s>(
+    /// What an error is asked for of, made of a solution whose rows these are. `None` where it is cancelled.
+    fn refine<'s>(
         &mut self,
         rows: &mut RowCache<'s>,
         solution: &Solution,
         target: Target,
         is_converged: bool,
-    ) -> Result<Option<Gathered>, FunctionFault>
+    ) -> Result<Option<Refined>, FunctionFault>
     where
         'a: 's,
     {
@@ -201,6 +213,12 @@ impl<'a> Run<'a, '_> {
         let irradiance = sources.restricted(&solution.irradiance);
         let form_factors = self.form_factors.of_scene(self.scene);
         let tolerance = self.settings.tolerance;
+        let receivers = rows.hemicubes().receivers();
+        let points = |k| receivers.point_count(ReceiverId(k));
+        let points: Vec<u32> = match target.of {
+            Wanted::Function => Vec::new(),
+            Wanted::Means | Wanted::MeansAtPoints => (0..receivers.count()).map(points).collect(),
+        };
         let mut corrected;
         let resolve: &mut dyn Resolve = if is_converged && rows.sources().are_patches() {
             corrected = Corrected::new(rows, irradiance.clone(), tolerance);
@@ -208,13 +226,25 @@ impl<'a> Run<'a, '_> {
         } else {
             &mut Uncorrected
         };
-        function::gather(
+        if target.of != Wanted::Function {
+            let means = function::means_of_patches(
+                &form_factors,
+                &sources,
+                &solution.irradiance,
+                &points,
+                &order,
+                resolve,
+            )?;
+            return Ok(means.map(Refined::Means));
+        }
+        let gathered = function::gather(
             &form_factors,
             &sources,
             &irradiance,
             &order,
             resolve,
             &mut tell,
-        )
+        )?;
+        Ok(gathered.map(Refined::Function))
     }
 }

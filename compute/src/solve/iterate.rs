@@ -52,7 +52,7 @@ impl Run<'_, '_> {
         let mut is_shortage_said = false;
         let rows_after = match goal {
             Goal::Convergence | Goal::OnePass => 0,
-            _ if settings.target.is_some() => 0,
+            _ if settings.function().is_some() => 0,
             Goal::ConvergenceAmongSources | Goal::Again => self.scene.patch_count(),
         };
         loop {
@@ -113,7 +113,7 @@ impl Run<'_, '_> {
     /// The iterations that a solver does: where a function is asked for, its gathering is the last one.
     pub(super) fn solver_iterations(&self) -> Option<u64> {
         let most = self.settings.max_iterations;
-        let gatherings = u64::from(self.settings.target.is_some());
+        let gatherings = u64::from(self.settings.function().is_some());
         most.map(|most| most.saturating_sub(gatherings))
     }
 

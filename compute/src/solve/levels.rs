@@ -88,7 +88,7 @@ impl<'a> Run<'a, '_> {
         let mut start = self.start_from(start);
         let residual = start.provenance.residuals.last();
         let is_solved = residual.is_some_and(|&residual| residual <= self.settings.tolerance);
-        let has_function = self.settings.target.is_some();
+        let has_function = self.settings.function().is_some();
         if let Level::Gathering { max_area, .. } = start.provenance.level {
             if (is_solved || is_enough) && !has_function {
                 let sources = two_levels::sources(self.scene, max_area);
@@ -107,7 +107,7 @@ impl<'a> Run<'a, '_> {
         }
         let is_of_sources = start.provenance.level.source_area().is_some();
         let source_area = self.settings.solution.source_area;
-        let levels = match self.settings.target {
+        let levels = match self.settings.function() {
             Some(target) => self.form_factors.levels_of_function(source_area, target),
             None => self.form_factors.levels(source_area),
         };

@@ -8,7 +8,8 @@ use crate::settings::{ClosedForms, FormFactorSettings, LampViews, Maps, Points, 
 /// RESOLUTION, and where hemicubes stand and what they count.
 #[derive(Debug, Args)]
 pub(super) struct FormFactorArguments {
-    /// Pixels along a hemicube's face: even, 2 to 4096 [default: 128; 32 where vertices gather]
+    /// Pixels along a hemicube's face: even, 2 to 4096 [default: 128; 32 where vertices gather, 24 where patches do by
+    /// their error]
     #[arg(value_name = "RESOLUTION", value_parser = parse_resolution)]
     resolution: Option<u32>,
     /// What the pixels count: exact integrals, or the thesis's multipliers for comparison [default: exact]
@@ -35,6 +36,11 @@ pub(super) struct FormFactorArguments {
 }
 
 impl FormFactorArguments {
+    /// Whether it is said where hemicubes stand.
+    pub fn has_points(&self) -> bool {
+        self.points.is_some()
+    }
+
     /// What is asked for, and what is not as in the defaults.
     pub fn settings(&self, defaults: FormFactorSettings) -> FormFactorSettings {
         FormFactorSettings {
