@@ -18,6 +18,7 @@ mod partition;
 mod pieces;
 #[cfg(test)]
 mod tests;
+mod walls;
 mod weld;
 
 use std::ops::Range;
@@ -28,6 +29,7 @@ use scene::{Scene, SurfaceId};
 
 pub(crate) use locator::{LEAF, Node, STEEP, Tree};
 pub use locator::{Locator, Member, NO_MEMBER};
+pub use walls::{Wall, walls};
 
 use flood::Group;
 use outline::{Outline, RegionMesh};

@@ -27,18 +27,36 @@ pub(super) const AREA_TOLERANCE: f64 = 1e-6;
 /// have the region's area.
 pub(super) fn pieces(mesh: &RegionMesh, outline: &Outline) -> Option<Vec<Vec<u32>>> {
     let area = mesh.flat_area();
-    let mut triangulation = Triangulation {
-        mesh,
-        corners: mesh.corners.clone(),
-        mates: mesh.mates.clone(),
-        starts: vec![NONE; mesh.points.len()],
-    };
-    triangulation.drop_vertices(&outline.is_dropped);
+    let triangulation = Triangulation::new(mesh, outline);
     [true, false].into_iter().find_map(|straight| {
         let pieces = triangulation.merged(straight)?;
         let sum: f64 = pieces.iter().map(|piece| flat_area(mesh, piece)).sum();
         ((sum - area).abs() <= AREA_TOLERANCE * area).then_some(pieces)
     })
+}
+
+/// Triangles without the vertices that the outline does not need, as vertices of the mesh, and of each half-edge the opposite one, as
+/// in the mesh; `None` where they do not have the region's area.
+pub(super) fn triangles(mesh: &RegionMesh, outline: &Outline) -> Option<(Vec<[u32; 3]>, Vec<u32>)> {
+    let all = Triangulation::new(mesh, outline);
+    let is_there = |triangle: &usize| all.corners[*triangle][0] != NONE;
+    let mut number = vec![NONE; all.corners.len()];
+    let kept: Vec<usize> = (0..all.corners.len()).filter(is_there).collect();
+    for (k, &triangle) in (0..).zip(&kept) {
+        number[triangle] = k;
+    }
+    let renamed = |half: u32| match half {
+        NONE => NONE,
+        half => 3 * number[half as usize / 3] + half % 3,
+    };
+    let corners: Vec<[u32; 3]> = kept.iter().map(|&triangle| all.corners[triangle]).collect();
+    let mates = kept
+        .iter()
+        .flat_map(|&triangle| &all.mates[3 * triangle..3 * triangle + 3]);
+    let mates = mates.map(|&half| renamed(half)).collect();
+    let area = mesh.flat_area();
+    let sum: f64 = corners.iter().map(|corners| flat_area(mesh, corners)).sum();
+    ((sum - area).abs() <= AREA_TOLERANCE * area).then_some((corners, mates))
 }
 
 fn flat_area(mesh: &RegionMesh, piece: &[u32]) -> f64 {
@@ -60,7 +78,19 @@ struct Triangulation<'a> {
 /// A side of a polygon that is cut: the vertex it starts from, and the half-edge outside.
 type Side = (u32, u32);
 
-impl Triangulation<'_> {
+impl<'a> Triangulation<'a> {
+    /// That of a region, without the vertices that its outline does not need.
+    fn new(mesh: &'a RegionMesh, outline: &Outline) -> Self {
+        let mut triangulation = Self {
+            mesh,
+            corners: mesh.corners.clone(),
+            mates: mesh.mates.clone(),
+            starts: vec![NONE; mesh.points.len()],
+        };
+        triangulation.drop_vertices(&outline.is_dropped);
+        triangulation
+    }
+
     fn origin(&self, half: u32) -> u32 {
         self.corners[half as usize / 3][half as usize % 3]
     }
