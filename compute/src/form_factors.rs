@@ -40,6 +40,13 @@ use crate::unlit;
 const FUNCTION_SOURCE: f64 = 0.05;
 const FUNCTION_SOURCES: [f64; 2] = [1.0 / 65536.0, 1.0 / 512.0];
 
+/// The largest area, m^2, of sources from which a function is gathered.
+pub fn area_of_function_sources(scene: &Scene, target: Target) -> f64 {
+    let [least, most] = FUNCTION_SOURCES;
+    let share = (FUNCTION_SOURCE * target.strictest()).clamp(least, most);
+    share * scene.area()
+}
+
 /// The form factors of a scene, drawn as they are asked for.
 #[derive(Clone, Debug)]
 pub struct FormFactors<'a> {
@@ -221,9 +228,7 @@ impl<'a> FormFactors<'a> {
         if source_area != SourceArea::Auto {
             return self.levels(source_area);
         }
-        let [least, most] = FUNCTION_SOURCES;
-        let share = (FUNCTION_SOURCE * target.strictest()).clamp(least, most);
-        let area = share * self.scene.area();
+        let area = area_of_function_sources(self.scene, target);
         let count = two_levels::sources(self.scene, area).patch_count();
         if count <= self.scene.patch_count() / 2 {
             Levels::Sources(area)

@@ -25,6 +25,7 @@ pub mod convex;
 pub mod cpu;
 pub mod delta_form_factors;
 pub mod energy;
+mod foot;
 pub mod form_factors;
 pub mod form_factors_csv;
 pub mod function;
@@ -54,6 +55,7 @@ pub mod two_levels;
 pub mod unlit;
 pub mod verify;
 pub mod view_factors;
+pub mod walls;
 
 pub use cancel::CancelToken;
 pub use form_factors::FormFactors;

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{compute, folder, load, save, solve, stderr, stdout};
+use common::{compute, folder, load, save, solve, stderr, stdout, two_rooms};
 use compute::gather::Gathering;
 use compute::receivers::Sensor;
 use compute::settings::{BackendChoice, Points, SolveSettings, Target};
@@ -12,7 +12,7 @@ use glam::Vec3;
 use scene::function::IrradianceFunction;
 use scene::{Scene, Surface};
 use serde_json::Value;
-use test_scenes::{colourful_room, furnace, material, quad, scene as room_of};
+use test_scenes::{colourful_room, furnace};
 
 /// With hemicubes of 32 pixels at centroids.
 fn settings(power: f64) -> SolveSettings {
@@ -91,32 +91,6 @@ fn smaller_errors_take_more_vertices() {
     let report = solved(&scene, limited).function.unwrap();
     assert!(!report.is_reached);
     assert!(report.vertices < vertices + 100, "{report:?}");
-}
-
-/// A room cut in two by a wall of two sides that stands on its uncut floor, with a lamp on one side.
-fn two_rooms() -> Scene {
-    let size = Vec3::new(4.0, 2.0, 2.0);
-    let mut surfaces: Vec<Surface> = test_scenes::block(Vec3::ZERO, size, false, 0);
-    let wall = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]].map(|[y, z]| Vec3::new(2.0, y, z));
-    let mut back = wall;
-    back.reverse();
-    surfaces.extend(quad(wall, 0));
-    surfaces.extend(quad(back, 0));
-    let lamp = [[0.5, 0.5], [0.5, 1.5], [1.5, 1.5], [1.5, 0.5]].map(|[x, y]| Vec3::new(x, y, 1.9));
-    surfaces.extend(quad(lamp, 1));
-    let materials = vec![material(0.5, 0.0), material(0.0, 10.0)];
-    let faces: Vec<u32> = (0..surfaces.len() as u32).collect();
-    let (mut cut, mut faces) = (surfaces, faces);
-    let objects = ["all".to_owned()];
-    let model = genx::cut::Model {
-        surfaces: &mut cut,
-        faces: &mut faces,
-        materials: &materials,
-        objects: &objects,
-        opening: None,
-    };
-    genx::cut::put_in_order(model, genx::cut::Cut::On).unwrap();
-    room_of(materials, cut, 0.05)
 }
 
 /// The floor is one wall, but on either side of what stands on it vertices are apart: the dark side is dark up to the foot.

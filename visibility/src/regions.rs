@@ -29,7 +29,7 @@ use scene::{Scene, SurfaceId};
 
 pub(crate) use locator::{LEAF, Node, STEEP, Tree};
 pub use locator::{Locator, Member, NO_MEMBER};
-pub use walls::{Wall, walls};
+pub use walls::{Coarse, Wall, walls};
 
 use flood::Group;
 use outline::{Outline, RegionMesh};

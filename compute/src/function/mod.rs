@@ -34,6 +34,7 @@
 //! A side of a wall holds the plane of the next one, so a vertex there gathers a little inside of the triangle that it came
 //! with.
 
+mod carried;
 mod checks;
 mod direct;
 mod gatherer;
@@ -66,6 +67,7 @@ use lit_mesh::LitMesh;
 use second_look::Within;
 use vertices::Place;
 
+pub use carried::carried_over;
 pub use patches::{MeansOfPatches, means_of_patches};
 pub use report::{Cause, ErrorByCause, Errors, FunctionEnd, FunctionReport};
 

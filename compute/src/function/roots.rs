@@ -5,8 +5,7 @@ use scene::function::Refinement;
 use scene::{Rgb, Scene, SurfaceId};
 use visibility::Drawable;
 
-use crate::sphere::Spheres;
-use crate::triangle;
+use crate::foot::Feet;
 
 /// Walls of a smaller share of the scene's area have what their patches have: most are facets of curved bodies, between which
 /// light changes by steps, and which have more corners than patches.
@@ -33,32 +32,9 @@ pub(super) fn roots(
         |id: SurfaceId| scene.material(scene.surface(id).material).reflectance == Rgb::ZERO;
     let has_vertices =
         |id: SurfaceId| is_large[regions.region_of(id) as usize] && is_lit(id) && !is_black(id);
-    let spheres = Spheres::new(scene.surfaces());
+    let feet = Feet::new(drawable);
     let joins = |[a, b]: [SurfaceId; 2], ends: [Vec3; 2]| {
-        regions.region_of(a) == regions.region_of(b) && !is_foot(scene, drawable, &spheres, a, ends)
+        regions.region_of(a) == regions.region_of(b) && !feet.is_foot(a, ends)
     };
     Refinement::new(scene, has_vertices, joins)
-}
-
-/// Whether something stands on the side of a surface, or crosses it there.
-fn is_foot(
-    scene: &Scene,
-    drawable: &Drawable,
-    spheres: &Spheres,
-    surface: SurfaceId,
-    ends: [Vec3; 2],
-) -> bool {
-    let tolerance = drawable.plane_tolerance();
-    let middle = 0.5 * (ends[0].as_dvec3() + ends[1].as_dvec3());
-    let normal = drawable.normal_of(surface);
-    let mut is_foot = false;
-    spheres.for_each_within(tolerance, middle, |index, _| {
-        let corners = scene.surfaces()[index].corners.map(Vec3::as_dvec3);
-        let is_off_plane = corners
-            .iter()
-            .any(|&corner| (corner - middle).dot(normal).abs() > tolerance);
-        is_foot |= is_off_plane && triangle::distance(middle, corners) <= tolerance;
-        tolerance
-    });
-    is_foot
 }

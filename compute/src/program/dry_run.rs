@@ -10,11 +10,12 @@ use scene::{Scene, Solution};
 
 use super::{Settings, run};
 use crate::cancel::CancelToken;
-use crate::form_factors::{FormFactors, Levels, Needed};
+use crate::form_factors::{FormFactors, Levels, Needed, area_of_function_sources};
 use crate::quantity::{show_duration, show_size};
 use crate::settings::Target;
 use crate::sources::Sources;
 use crate::two_levels;
+use crate::walls::Walls;
 
 /// Places, evenly over the scene, where rows are drawn to tell what all take.
 const PLACES: u32 = 8;
@@ -47,13 +48,19 @@ fn text(settings: &Settings, cancel: &CancelToken) -> anyhow::Result<String> {
         Some(target) => form_factors.levels_of_function(source_area, target),
         None => form_factors.levels(source_area),
     };
-    let area = match levels {
-        Levels::Patches => None,
-        Levels::Sources(area) => Some(area),
-        Levels::Automatic => two_levels::areas_to_try(&scene).next(),
+    let walls = Walls::to_solve(&scene, &solve);
+    let area = match (&walls, levels) {
+        (Some((_, target)), _) => Some(area_of_function_sources(&scene, *target)),
+        (None, Levels::Patches) => None,
+        (None, Levels::Sources(area)) => Some(area),
+        (None, Levels::Automatic) => two_levels::areas_to_try(&scene).next(),
     };
-    let coarse = area.map(|area| two_levels::sources(&scene, area));
-    let sources = coarse.as_ref().unwrap_or(&scene);
+    let coarse = area.filter(|_| walls.is_none());
+    let coarse = coarse.map(|area| two_levels::sources(&scene, area));
+    let sources = match &walls {
+        Some((walls, _)) => walls.scene(),
+        None => coarse.as_ref().unwrap_or(&scene),
+    };
     let rows = Rows::of(&form_factors.of_scene(sources), sources, settings)?;
     let mut lines = vec![format!(
         "scene          {} patches on {} surfaces",

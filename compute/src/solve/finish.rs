@@ -28,7 +28,7 @@ struct Worth {
     closure: Option<Closure>,
     back_face_share: Option<f64>,
     certificate: Certificate,
-    unlit_patches: u32,
+    unlit: Vec<PatchId>,
     inside: Option<Vec<PatchId>>,
 }
 
@@ -110,7 +110,8 @@ impl<'a> Run<'a, '_> {
             backend: rows.backend(),
             adapter: rows.describe_source(),
             trial: self.trial,
-            unlit_patches: worth.unlit_patches,
+            unlit_patches: worth.unlit.len() as u32,
+            unlit: worth.unlit,
             rows: RowStatistics {
                 hemicubes: statistics.hemicubes,
                 duration,
@@ -163,7 +164,9 @@ impl<'a> Run<'a, '_> {
             closure,
             back_face_share,
             certificate: certificate::certify(rows, known),
-            unlit_patches: unlit.map(|(k, _)| known.patches_in(k).len() as u32).sum(),
+            unlit: unlit
+                .flat_map(|(k, _)| known.patches_in(k).map(PatchId))
+                .collect(),
             inside: inside.as_ref().map(|inside| {
                 let patches = inside.iter().flat_map(|k| known.patches_in(k.index()));
                 patches.map(PatchId).collect()

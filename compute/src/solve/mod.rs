@@ -9,6 +9,7 @@ mod finish;
 mod iterate;
 mod levels;
 mod observer;
+mod on_walls;
 mod outcome;
 mod start;
 
@@ -111,6 +112,8 @@ pub struct Solved {
     pub trial: Option<Trial>,
     /// Patches that no light can reach, whose rows were neither needed nor drawn.
     pub unlit_patches: u32,
+    /// Which they are, ascending.
+    unlit: Vec<PatchId>,
     /// What drawing has cost; of the rows that are kept, those that the iterations used.
     pub rows: RowStatistics,
     /// The sources, where they are coarser than the patches.
@@ -242,6 +245,14 @@ impl<'a> Solve<'a> {
         }
         let start_is_good = self.start.as_ref().map(|start| start.validate(self.scene));
         start_is_good.transpose().map_err(SolveFault::Start)?;
+        match self.walls() {
+            Some((walls, target)) => self.run_on(&walls, target),
+            None => self.run_on_scene(),
+        }
+    }
+
+    /// The same on the scene as it is.
+    fn run_on_scene(self) -> Result<Solved, SolveError> {
         let mut nobody = observer::Nobody;
         let Self {
             scene,

@@ -8,6 +8,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use glam::Vec3;
 use scene::{Rgb, Scene, Solution, State, Surface};
 use tempfile::TempDir;
 pub use test_scenes::*;
@@ -203,4 +204,33 @@ pub fn folder_with(objects: &[(&str, Vec<Surface>)], max_area: f64) -> TempDir {
     let folder = folder();
     save(folder.path(), "in.rad", &named(objects, max_area));
     folder
+}
+
+/// A room cut in two by a wall of two sides that stands on its uncut floor, with a lamp on one side.
+pub fn two_rooms() -> Scene {
+    let size = Vec3::new(4.0, 2.0, 2.0);
+    let mut surfaces: Vec<Surface> = test_scenes::block(Vec3::ZERO, size, false, 0);
+    let wall = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]].map(|[y, z]| Vec3::new(2.0, y, z));
+    let mut back = wall;
+    back.reverse();
+    surfaces.extend(test_scenes::quad(wall, 0));
+    surfaces.extend(test_scenes::quad(back, 0));
+    let lamp = [[0.5, 0.5], [0.5, 1.5], [1.5, 1.5], [1.5, 0.5]].map(|[x, y]| Vec3::new(x, y, 1.9));
+    surfaces.extend(test_scenes::quad(lamp, 1));
+    let materials = vec![
+        test_scenes::material(0.5, 0.0),
+        test_scenes::material(0.0, 10.0),
+    ];
+    let faces: Vec<u32> = (0..surfaces.len() as u32).collect();
+    let (mut cut, mut faces) = (surfaces, faces);
+    let objects = ["all".to_owned()];
+    let model = genx::cut::Model {
+        surfaces: &mut cut,
+        faces: &mut faces,
+        materials: &materials,
+        objects: &objects,
+        opening: None,
+    };
+    genx::cut::put_in_order(model, genx::cut::Cut::On).unwrap();
+    test_scenes::scene(materials, cut, 0.05)
 }

@@ -92,6 +92,11 @@ impl VertexMesh {
         &self.roots
     }
 
+    /// Whether a surface has vertices.
+    pub fn has_vertices(&self, surface: SurfaceId) -> bool {
+        self.root(surface).is_some()
+    }
+
     /// All nodes, children after their parents.
     pub fn nodes(&self) -> &[Node] {
         &self.nodes

@@ -268,6 +268,23 @@ impl Refinement {
         (depth, code)
     }
 
+    /// The leaf at barycentric coordinates in a surface, and the coordinates in it, which have the same sum; `None` where the surface
+    /// has no vertices. A point outside of the surface is assigned to a leaf on its border.
+    pub fn leaf_at(&self, surface: SurfaceId, barycentric: DVec3) -> Option<(NodeId, DVec3)> {
+        let root = self.roots[surface.index()];
+        let mut node = (root != NO_ROOT).then_some(NodeId(root))?;
+        let mut at = barycentric;
+        while let Some([first, second]) = self.halves(node) {
+            let DVec3 { x: a, y: b, z: c } = at;
+            (node, at) = if a >= b {
+                (first, DVec3::new(a - b, c, 2.0 * b))
+            } else {
+                (second, DVec3::new(c, b - a, 2.0 * a))
+            };
+        }
+        Some((node, at))
+    }
+
     /// The corners of a triangle as barycentric coordinates in its surface, in the order of [`Self::corners`]; exact.
     pub fn in_surface(&self, node: NodeId) -> [DVec3; 3] {
         let Facts { depth, code, .. } = self.facts[node.0 as usize];

@@ -7,7 +7,7 @@
 
 use std::collections::VecDeque;
 
-use glam::{DVec2, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 use scene::{Scene, SurfaceId};
 
@@ -27,8 +27,19 @@ const LEAST_SINE: f64 = 1e-6;
 pub struct Wall {
     /// Ascending.
     pub surfaces: Vec<SurfaceId>,
-    /// The same in fewer triangles, counter-clockwise from the front, metres; `None` where there are not fewer.
-    pub triangles: Option<Vec<[Vec3; 3]>>,
+    /// The same in fewer triangles; `None` where there are not fewer.
+    pub coarse: Option<Coarse>,
+}
+
+/// A wall in few triangles.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coarse {
+    /// Counter-clockwise from the front, metres.
+    pub triangles: Vec<[Vec3; 3]>,
+    /// Their sides beyond which the wall does not go on, each with the wall to its left; those of a slit twice.
+    pub outline: Vec<[Vec3; 2]>,
+    /// Unit normal.
+    pub normal: DVec3,
 }
 
 /// All walls, in the order of their first surfaces. Surfaces in one plane that share a side are one wall but where they `are_apart`: a
@@ -49,7 +60,7 @@ pub fn walls(
     let single = (0..).map(SurfaceId).zip(is_done);
     walls.extend(single.filter(|(_, is_done)| !is_done).map(|(id, _)| Wall {
         surfaces: vec![id],
-        triangles: None,
+        coarse: None,
     }));
     walls.sort_unstable_by_key(|wall| wall.surfaces[0]);
     walls
@@ -64,7 +75,7 @@ fn walls_of(
     let Some(mut mesh) = RegionMesh::new(welded, &group) else {
         let alone = |surface| Wall {
             surfaces: vec![SurfaceId(surface)],
-            triangles: None,
+            coarse: None,
         };
         return group.surfaces.into_iter().map(alone).collect();
     };
@@ -75,7 +86,7 @@ fn walls_of(
             let surfaces: Vec<u32> = triangles.iter().map(|&t| group.surfaces[t]).collect();
             let group = Group { surfaces, ..group };
             Wall {
-                triangles: coarse(welded, &group, are_apart),
+                coarse: coarse(welded, &group, are_apart),
                 surfaces: group.surfaces.into_iter().map(SurfaceId).collect(),
             }
         })
@@ -133,7 +144,7 @@ fn coarse(
     welded: &Welded,
     group: &Group,
     are_apart: &impl Fn([SurfaceId; 2], [Vec3; 2]) -> bool,
-) -> Option<Vec<[Vec3; 3]>> {
+) -> Option<Coarse> {
     let mut mesh = RegionMesh::new(welded, group)?;
     part(&mut mesh, group, are_apart);
     let outline = Outline::new(&mesh)?;
@@ -143,7 +154,15 @@ fn coarse(
     }
     flip(&mesh, &mut corners, &mut mates);
     let point = |vertex: u32| mesh.points[vertex as usize].as_vec3();
-    Some(corners.into_iter().map(|c| c.map(point)).collect())
+    let origin = |half: u32| point(corners[half as usize / 3][half as usize % 3]);
+    let halves = (0..).zip(&mates).filter(|&(_, &mate)| mate == NONE);
+    Some(Coarse {
+        outline: halves
+            .map(|(half, _)| [half, next(half)].map(origin))
+            .collect(),
+        triangles: corners.iter().map(|c| c.map(point)).collect(),
+        normal: mesh.normal,
+    })
 }
 
 /// Flips edges until no triangle has a vertex of its neighbour in its circle. Half-edges are as in a [`RegionMesh`].
@@ -214,7 +233,6 @@ fn turns_left([a, b, c]: [DVec2; 3]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
     use scene::{Material, MaterialId, ObjectId, Rgb, Surface};
 
     use super::*;
@@ -252,6 +270,10 @@ mod tests {
         .unwrap()
     }
 
+    fn triangles(wall: &Wall) -> &[[Vec3; 3]] {
+        &wall.coarse.as_ref().unwrap().triangles
+    }
+
     fn area(triangles: &[[Vec3; 3]]) -> f32 {
         let twice = triangles.iter().map(|[a, b, c]| (*b - *a).cross(*c - *a).z);
         0.5 * twice.sum::<f32>()
@@ -265,8 +287,10 @@ mod tests {
             let walls = walls(&scene, |_, _| false);
             assert_eq!(walls.len(), 1);
             assert_eq!(walls[0].surfaces.len(), scene.surfaces().len());
-            let triangles = walls[0].triangles.as_ref().unwrap();
-            assert_eq!(triangles.len(), 8);
+            let Coarse {
+                triangles, outline, ..
+            } = walls[0].coarse.as_ref().unwrap();
+            assert_eq!((triangles.len(), outline.len()), (8, 8));
             let expected = (count * count) as f32 * 8.0 / 9.0;
             assert!((area(triangles) - expected).abs() < 1e-3 * expected);
             // From a corner a side of the hole is seen under atan 1/3.
@@ -283,23 +307,18 @@ mod tests {
     #[test]
     fn what_is_apart_is_no_wall() {
         let scene = wall_with_a_hole(9);
-        let is_middle = |ends: [Vec3; 2]| ends.iter().all(|p| p.x == 6.0);
+        let is_middle = |ends: [Vec3; 2]| ends.iter().all(|p| (p.x - 6.0).abs() < 0.1);
         let parted = walls(&scene, |_, ends| is_middle(ends));
-        let sizes: Vec<usize> = parted
-            .iter()
-            .map(|wall| wall.triangles.as_ref().unwrap().len())
-            .collect();
+        let sizes: Vec<usize> = parted.iter().map(|wall| triangles(wall).len()).collect();
         // The other side is a rectangle; that of the hole has two reflex corners.
         assert_eq!(sizes, [6, 2]);
-        let areas = parted
-            .iter()
-            .map(|wall| area(wall.triangles.as_ref().unwrap()));
+        let areas = parted.iter().map(|wall| area(triangles(wall)));
         assert_eq!(areas.collect::<Vec<_>>(), [45.0, 27.0]);
         // A slit from the hole to the border leaves one wall, and stays.
         let is_slit = |ends: [Vec3; 2]| is_middle(ends) && ends.iter().all(|p| p.y <= 3.0);
         let slit = walls(&scene, |_, ends| is_slit(ends));
         assert_eq!(slit.len(), 1);
-        let triangles = slit[0].triangles.as_ref().unwrap();
+        let triangles = triangles(&slit[0]);
         assert!(triangles.len() < scene.surfaces().len() / 4);
         assert!((area(triangles) - 72.0).abs() < 1e-3);
         let crosses = |[a, b, c]: &[Vec3; 3]| {
