@@ -44,9 +44,10 @@ const CHECKED: f64 = 0.01;
 const FEWEST_LOOKS: usize = 96;
 const LOOKS: f64 = 0.375;
 
-/// Who looks more closely does so at as many times as many points, or more.
+/// Who looks more closely does so at as many times as many points, or more; nobody who has so many gathers at more. Looking at all
+/// patches then takes what a run at that many takes, which bounds what an error can cost that cannot be reached.
 const FINER: u32 = 3;
-const MOST_POINTS: u32 = 1 << 11;
+const MOST_POINTS: u32 = 1 << 5;
 
 /// What is linear a centroid tells rightly, but where it varies much it is seldom linear: the share of its largest difference, squared,
 /// that a patch is taken to be off by for that.
