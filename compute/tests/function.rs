@@ -3,9 +3,10 @@
 mod common;
 
 use common::{compute, folder, load, save, solve, stderr, stdout, two_rooms};
+use compute::function::FunctionEnd;
 use compute::gather::Gathering;
 use compute::receivers::Sensor;
-use compute::settings::{BackendChoice, Points, SolveSettings, Target};
+use compute::settings::{BackendChoice, Points, Quality, SolveSettings, Target, Wanted};
 use compute::solve::{Solved, StoppedBy};
 use compute::{FormFactors, Solve};
 use glam::Vec3;
@@ -475,4 +476,34 @@ fn means_are_taken_at_as_many_points_as_their_error_asks_for() {
     points_and_end("c.rad", &["--target-error", "0.2%", "--threads", "3"]);
     let [one, three] = ["b.rad", "c.rad"].map(|name| load(folder.path(), name).irradiance);
     assert_eq!(one, three);
+}
+
+/// A patch has at most 48 points, and all of them are told; an error that is as small as was asked for is no other's fault.
+#[test]
+fn what_is_told_of_means_is_what_was_done() {
+    let scene = colourful_room(0.5);
+    let patches = u64::from(scene.patch_count());
+    let solved = |error: f64, of| {
+        let target = Target::of(Some(error), None);
+        let mut settings = Quality::settings_for_means(target);
+        settings.target = Some(Target { of, ..target });
+        settings.drawing.backend = BackendChoice::Cpu;
+        solved(&scene, settings).function.unwrap()
+    };
+    let unreachable = solved(1e-6, Wanted::Means);
+    assert!(!unreachable.is_reached, "{unreachable:?}");
+    let points = unreachable.points.unwrap();
+    assert!(
+        points > 12 * patches && points <= 48 * patches,
+        "{points} of {patches}"
+    );
+    let error = solved(1e-6, Wanted::MeansAtPoints)
+        .error
+        .unwrap()
+        .total
+        .power;
+    // A little more is reached, though a run that may take more points would go on.
+    let reached = solved(1.02 * error, Wanted::MeansAtPoints);
+    assert!(reached.is_reached, "{reached:?}");
+    assert_eq!(reached.stopped_by, FunctionEnd::Error);
 }

@@ -31,7 +31,7 @@ use super::{
 };
 use crate::FormFactors;
 use crate::compact_rows::Row;
-use crate::receivers::points_in;
+use crate::receivers::{count_of_at_least, points_in};
 use crate::rows::{BackendError, UNITS_PER_ONE};
 use crate::settings::Wanted;
 use crate::sources::Sources;
@@ -553,7 +553,7 @@ impl<'a> Taking<'_, 'a> {
 
     /// How many points a patch is looked at more closely at.
     fn finer(&self, patch: PatchId) -> u32 {
-        FINER * self.patches[patch.index()].points
+        count_of_at_least(FINER * self.patches[patch.index()].points)
     }
 
     /// What a patch is off by where it receives this at more points, W/m^2, by target and area.
@@ -701,6 +701,8 @@ impl<'a> Taking<'_, 'a> {
         stopped_by: FunctionEnd,
     ) -> FunctionReport {
         let is_known = !looked.closer.is_empty() && self.order.iterations.is_some();
+        // Who would have gone on, to be sure, may be there all the same.
+        let is_reached = is_known && is_below(error.total, asked(&self.order.target));
         let of_patch = |(&[off, _], &area): (&[f64; 2], &f64)| size.unweighed(off, area) as f32;
         let estimated = self.estimated(likely);
         let off: Vec<f32> = estimated.iter().zip(&self.areas).map(of_patch).collect();
@@ -712,8 +714,12 @@ impl<'a> Taking<'_, 'a> {
             checks: looked.closer.len() as u32,
             error: is_known.then_some(*error),
             points: Some(points.sum()),
-            is_reached: is_known && is_below(error.total, asked(&self.order.target)),
-            stopped_by,
+            is_reached,
+            stopped_by: if is_reached {
+                FunctionEnd::Error
+            } else {
+                stopped_by
+            },
             mostly_by: is_known.then(|| error.worst(&self.order.target)),
             mostly_on: worst_object(self.scene, &off),
         }

@@ -20,8 +20,13 @@ pub use patches::{Closer, Patches};
 pub use sensors::{Sensor, Sensors};
 pub(crate) use turn::{mixed, turn};
 
-/// So many points or more in a triangle, under a rule of equal weights and a higher order than the centroid's, as far as there are
-/// such.
+/// How many points the rule of equal weights and a higher order than the centroid's has that has so many or more, as far as there is
+/// one.
+pub(crate) fn count_of_at_least(points: u32) -> u32 {
+    rule::Rule::of_at_least(points).count()
+}
+
+/// The points of that rule in a triangle.
 pub(crate) fn points_in(corners: [DVec3; 3], at_least: u32) -> Vec<DVec3> {
     rule::Rule::of_at_least(at_least).points(corners)
 }
