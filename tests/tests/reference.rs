@@ -1,6 +1,7 @@
 //! The Cornell box and a columned room against a path tracer's solution (`compute/src/verify/data/README.md`).
 
 use glam::DVec3;
+use tempfile::TempDir;
 use tests::{PatchRow, Table, data, folder, patches, reflected_error, run};
 
 /// How far the irradiance at the centroids is from the means over the patches, in this error measure:
@@ -25,6 +26,15 @@ fn pixels_on_lamp(area: f64, distance: f64, resolution: f64) -> f64 {
     area / (distance * distance) * (resolution / 2.0).powi(2)
 }
 
+/// A folder with a model of the reference data as `a.rad`, a patch a triangle.
+fn imported(name: &str) -> TempDir {
+    let folder = folder();
+    let obj = data(&format!("{name}.obj"));
+    let model = ["a.rad", obj.to_str().unwrap(), "--max-area", "inf"];
+    run(&folder, "genx", &model);
+    folder
+}
+
 struct Solved {
     /// With the irradiance after convergence.
     patches: Vec<PatchRow>,
@@ -34,13 +44,7 @@ struct Solved {
 impl Solved {
     /// Imports, solves and exports a model of the reference data.
     fn new(name: &str, settings: &[&str]) -> Self {
-        let folder = folder();
-        let obj = data(&format!("{name}.obj"));
-        run(
-            &folder,
-            "genx",
-            &["a.rad", obj.to_str().unwrap(), "--max-area", "inf"],
-        );
+        let folder = imported(name);
         let compute = [
             "a.rad",
             "a.rad",
@@ -162,13 +166,7 @@ fn the_default_is_as_good_as_its_patches() {
 #[test]
 fn means_are_as_near_as_is_asked() {
     for (name, asked) in [("cornell", 0.0045), ("room", 0.01)] {
-        let folder = folder();
-        let obj = data(&format!("{name}.obj"));
-        run(
-            &folder,
-            "genx",
-            &["a.rad", obj.to_str().unwrap(), "--max-area", "inf"],
-        );
+        let folder = imported(name);
         let percent = format!("{}%", 100.0 * asked);
         let compute = [
             "a.rad",
@@ -221,10 +219,7 @@ fn the_reference_is_good_enough_to_judge_by() {
 #[test]
 fn sensors_receive_what_the_path_tracer_found() {
     for (scene, name) in ["cornell", "room"].into_iter().enumerate() {
-        let folder = folder();
-        let obj = data(&format!("{name}.obj"));
-        let model = ["a.rad", obj.to_str().unwrap(), "--max-area", "inf"];
-        run(&folder, "genx", &model);
+        let folder = imported(name);
         run(&folder, "compute", &["a.rad", "a.rad", "--backend", "cpu"]);
         let sensors = data(&format!("sensors_{name}.csv"));
         let out = folder.path().join("values.csv");

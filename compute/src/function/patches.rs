@@ -12,22 +12,23 @@
 //! The same function says what it brings that patches send out one value each: some places, by chance where most is seen that varies,
 //! look once more, at the function ([`super::second_look`]).
 
+mod likely;
+mod looks;
+
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
-use scene::function::{NodeId, Refinement, VertexId};
+use scene::function::{Refinement, VertexId};
 use scene::{PatchId, Rgb, Scene};
 
-use super::checks::{Candidate, Check, Part, Sample, draw};
 use super::gatherer::{Gatherer, Light};
-use super::growth::{asked, causes, errors, is_below, room, squares};
-use super::lit_mesh::{Ambient, LitMesh, Size, sum};
+use super::growth::{asked, is_below, room, squares};
+use super::lit_mesh::{LitMesh, Size, sum};
 use super::report::worst_object;
 use super::vertices::Place;
 use super::{
-    ErrorByCause, Errors, FunctionEnd, FunctionFault, FunctionReport, NEXT_ROUND, Order, Receives,
-    Resolve, place, roots,
+    ErrorByCause, FunctionEnd, FunctionFault, FunctionReport, NEXT_ROUND, Order, Receives, Resolve,
 };
 use crate::FormFactors;
 use crate::compact_rows::Row;
@@ -35,27 +36,13 @@ use crate::receivers::{count_of_at_least, points_in};
 use crate::rows::{BackendError, UNITS_PER_ONE};
 use crate::settings::Wanted;
 use crate::sources::Sources;
-
-/// The fewest patches that are looked at more closely at a time, and their number as a share of all beyond that.
-const FEWEST_CHECKS: usize = 256;
-const CHECKED: f64 = 0.01;
-
-/// The fewest places that look at what varies within patches, and their number as a share of those.
-const FEWEST_LOOKS: usize = 96;
-const LOOKS: f64 = 0.375;
+use likely::mesh_of_patches;
+use looks::Looked;
 
 /// Who looks more closely does so at as many times as many points, or more; nobody who has so many gathers at more. Looking at all
 /// patches then takes what a run at that many takes, which bounds what an error can cost that cannot be reached.
 const FINER: u32 = 3;
 const MOST_POINTS: u32 = 1 << 5;
-
-/// What is linear a centroid tells rightly, but where it varies much it is seldom linear: the share of its largest difference, squared,
-/// that a patch is taken to be off by for that.
-const SLOPE: f64 = 0.05;
-
-/// The mean around a corner is not what is there, which shows where it is not the mean of what the corners of a patch have. So many
-/// times the difference is added to these.
-const SHARPENED: u32 = 2;
 
 /// The share of what is asked, squared, at which nothing more is done: an estimate has an error itself.
 const SURE: f64 = 0.9;
@@ -63,23 +50,10 @@ const SURE: f64 = 0.9;
 /// The share of what is asked of points, squared, that those patches are to leave that do not gather at more.
 const AIM: f64 = 0.6;
 
-/// The share of what is asked, squared, that is missed at most of light that falls from close to patches; leaves that make the other
-/// one of what is missed are bisected at a time, and there are so many more vertices at most, and one for two patches.
-const SPOTS_SHARE: f64 = 0.02;
-const MARKED: f64 = 0.6;
-const FEWEST_SPOTS: u32 = 1 << 12;
-
 /// The share of what is asked, squared, that what varies within patches may bring before somebody does something about it, and how
 /// often that helps.
 const SOURCES_SHARE: f64 = 0.6;
 const MOST_REFINED: u32 = 3;
-
-/// What a patch is likely to be off by that has gathered at more points, as a share of what it was off by, squared, before somebody
-/// knows.
-const AFTERWARDS: f64 = 0.1;
-
-/// The fewest looks that tell that.
-const FEWEST_KNOWN: usize = 8;
 
 /// The means of patches, and what is said of them.
 #[derive(Clone, Debug)]
@@ -174,17 +148,7 @@ struct Taking<'t, 'a> {
     round: u32,
 }
 
-/// What looks have found.
-struct Looked {
-    /// Patches, and what they receive at more points.
-    closer: Vec<(PatchId, Light)>,
-    /// As much area as each stands for, m^2.
-    areas: Vec<f64>,
-    /// Places that have looked at what varies within patches.
-    within: Sample,
-}
-
-impl<'a> Taking<'_, 'a> {
+impl Taking<'_, '_> {
     fn run(&mut self) -> Result<Option<FunctionReport>, FunctionFault> {
         let target = asked(&self.order.target).map(|target| SURE * target);
         let is_fixed = self.order.target.of == Wanted::MeansAtPoints;
@@ -244,50 +208,6 @@ impl<'a> Taking<'_, 'a> {
                 Some(false) => true,
                 None => false,
             })
-    }
-
-    /// Gathers at vertices where light falls from close to patches, until little is missed of that. Whether there are any; `None`
-    /// where it is cancelled.
-    fn find_spots(&mut self) -> Result<Option<bool>, BackendError> {
-        let target = asked(&self.order.target);
-        let most = self.mesh.vertex_count() + FEWEST_SPOTS + self.patches.len() as u32 / 2;
-        while self.mesh.vertex_count() < most {
-            let lit = self.lit();
-            let mut spots = lit.likely_by_spots(&lit.size());
-            let need = |missed: [f64; 2]| (missed[0] / target[0]).max(missed[1] / target[1]);
-            spots.sort_by(|a, b| need(b.1).total_cmp(&need(a.1)).then(a.0.cmp(&b.0)));
-            let all: f64 = spots.iter().map(|&(_, missed)| need(missed)).sum();
-            if all <= SPOTS_SHARE {
-                break;
-            }
-            let before = self.mesh.vertex_count();
-            let mut vertices = Vec::new();
-            let mut marked = 0.0;
-            for (leaf, missed) in spots {
-                if marked > MARKED * all {
-                    break;
-                }
-                marked += need(missed);
-                vertices.extend(self.mesh.corners(leaf));
-                self.mesh.bisect(leaf);
-            }
-            vertices.retain(|vertex| !self.gathered.contains_key(vertex));
-            vertices.sort_unstable();
-            vertices.dedup();
-            vertices.extend((before..self.mesh.vertex_count()).map(VertexId));
-            let places: Vec<Place> = vertices
-                .iter()
-                .map(|&vertex| place(&self.mesh, vertex))
-                .collect();
-            let Some(lights) = self.gatherer.gather(&places)? else {
-                return Ok(None);
-            };
-            self.gathered.extend(vertices.into_iter().zip(lights));
-            if self.mesh.vertex_count() == before {
-                break;
-            }
-        }
-        Ok(Some(!self.gathered.is_empty()))
     }
 
     /// Whether what varies within patches takes more than its share of what is asked of all causes, and something can be done.
@@ -368,92 +288,6 @@ impl<'a> Taking<'_, 'a> {
         irradiance.map(|h| h.max(DVec3::ZERO).as_vec3()).collect()
     }
 
-    /// The function that is linear between the means around each corner of patches.
-    fn lit(&self) -> LitMesh<'a> {
-        let mut lit = LitMesh::new(self.scene, self.mesh.clone());
-        let mut lights = around_corners(&lit, |patch, _| self.light(patch));
-        for (vertex, &gathered) in &self.gathered {
-            let light = &mut lights[vertex.0 as usize];
-            let within = light.within;
-            *light = Light { within, ..gathered };
-        }
-        lit.take(lights);
-        lit.light_patches(&self.irradiance(), self.order.is_lit);
-        lit
-    }
-
-    /// The same function, whose means are more like those of patches.
-    fn sharpened(&self, mut lit: LitMesh<'a>) -> LitMesh<'a> {
-        for _ in 0..SHARPENED {
-            let more = around_corners(&lit, |patch, leaf| {
-                let [a, b, c] = lit.lights(leaf).map(Light::irradiance);
-                Light {
-                    by_sources: self.patches[patch.index()].irradiance - (a + b + c) / 3.0,
-                    ..Light::DARK
-                }
-            });
-            lit.renew_by(|vertex, light| {
-                if self.gathered.contains_key(&vertex) {
-                    light
-                } else {
-                    light.plus(1.0, &more[vertex.0 as usize])
-                }
-            });
-        }
-        lit
-    }
-
-    /// What a patch receives.
-    fn light(&self, patch: PatchId) -> Light {
-        let patch = &self.patches[patch.index()];
-        let direct = patch.direct.min(patch.irradiance);
-        Light {
-            direct,
-            by_sources: patch.irradiance - direct,
-            correction: DVec3::ZERO,
-            surfaces: patch.surfaces,
-            within: patch.within,
-        }
-    }
-
-    /// What each patch is likely to be off by at its row's points, by target and area.
-    fn likely(&self, lit: &LitMesh, size: &Size) -> Vec<[f64; 2]> {
-        let mut likely = vec![[0.0; 2]; self.patches.len()];
-        for (leaf, varies) in lit.likely(size) {
-            let corners = lit.radiosities(leaf);
-            let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-            let patches = lit.patches_of(leaf);
-            let each = lit.mesh().area(leaf) / patches.len() as f64;
-            for patch in patches.map(PatchId) {
-                let radiosity = self.radiosity(patch);
-                let bends = size.weighed(middle - radiosity, radiosity);
-                let likely = &mut likely[patch.index()];
-                *likely = sum(*likely, bends.map(|bends| each * bends));
-            }
-            spread(lit, leaf, varies.map(|varies| SLOPE * varies), &mut likely);
-        }
-        for (leaf, missed) in lit.likely_by_spots(size) {
-            spread(lit, leaf, missed, &mut likely);
-        }
-        for flat in lit.flat() {
-            likely[flat.patch.index()] = flat.missed(size);
-        }
-        for (likely, patch) in likely.iter_mut().zip(&self.patches) {
-            *likely = patch.was_off.unwrap_or(*likely);
-        }
-        likely
-    }
-
-    /// What each patch is likely to be off by since those that it sees are one value each, by target and area.
-    fn of_sources(&self, lit: &LitMesh, size: &Size) -> Vec<[f64; 2]> {
-        let mut of_patches = vec![[0.0; 2]; self.patches.len()];
-        for leaf in lit.mesh().leaves() {
-            let missed = lit.missed_of_sources(leaf, size);
-            spread(lit, leaf, missed, &mut of_patches);
-        }
-        of_patches
-    }
-
     /// Reflected radiosity of a patch that light can reach, W/m^2.
     fn radiosity(&self, patch: PatchId) -> DVec3 {
         if (self.order.is_lit)(self.scene.mesh().surface_of(patch)) {
@@ -468,59 +302,6 @@ impl<'a> Taking<'_, 'a> {
         let surface = self.scene.mesh().surface_of(patch);
         let material = self.scene.surface(surface).material;
         self.scene.material(material).reflectance.as_dvec3() * irradiance
-    }
-
-    /// Looks at some patches more closely, and at what varies within others; `None` where it is cancelled.
-    fn look(
-        &mut self,
-        lit: &LitMesh,
-        likely: &[[f64; 2]],
-        size: &Size,
-    ) -> Result<Option<Looked>, FunctionFault> {
-        self.round += 1;
-        let of_sources = self.of_sources(lit, size);
-        let (mut closer, mut within) = (Vec::new(), Vec::new());
-        for (patch, &[power, visible]) in (0..).map(PatchId).zip(likely) {
-            let surface = self.scene.mesh().surface_of(patch);
-            let radiosity = self.radiosity(patch);
-            if radiosity == DVec3::ZERO {
-                continue;
-            }
-            let candidate = Candidate {
-                part: Part::Patch(patch, radiosity),
-                surface,
-                in_part: [DVec3::X, DVec3::Y, DVec3::Z],
-                corners: self.scene.patch_in_surface(patch),
-                area: self.areas[patch.index()],
-            };
-            closer.push((candidate, [candidate.area, power, visible]));
-            let [power, visible] = of_sources[patch.index()];
-            within.push((candidate, [candidate.area, power, visible]));
-        }
-        let count = FEWEST_CHECKS.max((CHECKED * closer.len() as f64) as usize);
-        let looks = FEWEST_LOOKS.max((LOOKS * count as f64) as usize);
-        let checks = draw(&closer, count, self.round);
-        let patches: Vec<PatchId> = checks.iter().filter_map(patch_of).collect();
-        let Some(lights) = self.gather(&patches)? else {
-            return Ok(None);
-        };
-        let places = draw(&within, looks, self.round);
-        let means = lit.means(self.gatherer.sources());
-        let function = self.gatherer.within(lit.function()?, &means);
-        let at: Vec<Place> = places.iter().map(|place| place.place).collect();
-        let Some(found) = self.gatherer.look_again(&function, &at) else {
-            return Ok(None);
-        };
-        let of_patches = places.iter().filter_map(patch_of);
-        Ok(Some(Looked {
-            closer: patches.into_iter().zip(lights).collect(),
-            areas: checks.iter().map(|check| check.area).collect(),
-            within: Sample {
-                lights: of_patches.map(|patch| self.light(patch)).collect(),
-                checks: places,
-                looks: found.into_iter().enumerate().collect(),
-            },
-        }))
     }
 
     /// What patches receive at more points than they have; `None` where it is cancelled.
@@ -562,73 +343,6 @@ impl<'a> Taking<'_, 'a> {
         let shown = self.reflected(patch, self.patches[patch.index()].irradiance);
         let area = self.areas[patch.index()];
         size.weighed(shown - gathered, gathered).map(|w| area * w)
-    }
-
-    /// What looks say of the means.
-    fn judge(
-        &mut self,
-        lit: &LitMesh,
-        size: &Size,
-        likely: &[[f64; 2]],
-        looked: &Looked,
-    ) -> ErrorByCause {
-        let mut ambient = Ambient::default();
-        for (&(patch, ref light), &area) in looked.closer.iter().zip(&looked.areas) {
-            let more = light.irradiance() - self.patches[patch.index()].irradiance;
-            let rho = self.reflected(patch, DVec3::ONE);
-            ambient.add(area, rho, more, light.by_sources);
-        }
-        let ambient = ambient.share(lit.absorbing_area());
-        // Of patches with their row's points and of the others: what they are off by, and how many looks say so.
-        let (mut off, mut looks) = ([[0.0; 2]; 2], [0; 2]);
-        for (&(patch, ref light), area) in looked.closer.iter().zip(&looked.areas) {
-            let kind = self.kind(patch);
-            let stands_for = area / self.areas[patch.index()];
-            // As it would be if all patches were right.
-            let mut light = *light;
-            light.by_sources += ambient * light.by_sources;
-            let each = self.off(size, patch, &light);
-            off[kind] = sum(off[kind], each.map(|off| stands_for * off));
-            looks[kind] += 1;
-        }
-        let mut expected = [[0.0; 2]; 2];
-        for (patch, &likely) in (0..).map(PatchId).zip(likely) {
-            let kind = self.kind(patch);
-            expected[kind] = sum(expected[kind], likely);
-        }
-        for kind in 0..2 {
-            self.calibration[kind] = [0, 1].map(|t| {
-                if looks[kind] >= FEWEST_KNOWN {
-                    off[kind][t] / expected[kind][t].max(f64::MIN_POSITIVE)
-                } else if kind == 1 {
-                    AFTERWARDS
-                } else {
-                    1.0
-                }
-            });
-        }
-        let [sources, _] = causes(lit, &looked.within);
-        ErrorByCause {
-            sampling: errors(sum(off[0], off[1])),
-            sources: errors(sources),
-            iterations: Errors::splat(self.order.iterations.unwrap_or(0.0)),
-            ..ErrorByCause::default()
-        }
-        .added_up()
-    }
-
-    /// 0 for a patch that has its row's points, 1 for others.
-    fn kind(&self, patch: PatchId) -> usize {
-        usize::from(self.patches[patch.index()].was_off.is_some())
-    }
-
-    /// What patches are estimated to be off by, by target and area.
-    fn estimated(&self, likely: &[[f64; 2]]) -> Vec<[f64; 2]> {
-        let of_patch = |(patch, likely): (PatchId, &[f64; 2])| {
-            let calibration = self.calibration[self.kind(patch)];
-            [0, 1].map(|t| calibration[t] * likely[t])
-        };
-        (0..).map(PatchId).zip(likely).map(of_patch).collect()
     }
 
     /// Lets patches gather at more points that are likely to be off most, until the others leave what is asked for, squared; those
@@ -723,60 +437,5 @@ impl<'a> Taking<'_, 'a> {
             mostly_by: is_known.then(|| error.worst(&self.order.target)),
             mostly_on: worst_object(self.scene, &off),
         }
-    }
-}
-
-/// A mesh of the walls that light can reach, whose leaves are their patches, or smaller.
-fn mesh_of_patches(sources: &Sources, order: &Order) -> Refinement {
-    let scene = sources.patches();
-    let mut mesh = roots::roots(scene, sources.drawable(), order.is_lit);
-    loop {
-        let is_large = |leaf: &NodeId| {
-            let (depth, _) = mesh.bisections(*leaf);
-            depth < scene.mesh().tree(mesh.surface(*leaf)).depth
-        };
-        let large: Vec<NodeId> = mesh.leaves().filter(is_large).collect();
-        if large.is_empty() {
-            return mesh;
-        }
-        for leaf in large {
-            mesh.bisect(leaf);
-        }
-    }
-}
-
-/// Whose mean a check looks at.
-fn patch_of(check: &Check) -> Option<PatchId> {
-    match check.part {
-        Part::Patch(patch, _) => Some(patch),
-        Part::Leaf(_) => None,
-    }
-}
-
-/// The mean of something over the patches around each vertex, which may depend on the leaf there.
-fn around_corners(lit: &LitMesh, of: impl Fn(PatchId, NodeId) -> Light) -> Vec<Light> {
-    let mut sums = vec![(0.0, Light::DARK); lit.mesh().vertex_count() as usize];
-    for leaf in lit.mesh().leaves() {
-        let area = lit.mesh().area(leaf);
-        for patch in lit.patches_of(leaf) {
-            let light = of(PatchId(patch), leaf);
-            for vertex in lit.mesh().corners(leaf) {
-                let (all, sum) = &mut sums[vertex.0 as usize];
-                *all += area;
-                *sum = sum.plus(area, &light);
-            }
-        }
-    }
-    let mean = |(area, sum): (f64, Light)| Light::DARK.plus(1.0 / area, &sum);
-    sums.into_iter().map(mean).collect()
-}
-
-/// Adds what a leaf misses to the patches that it covers, or is a part of.
-fn spread(lit: &LitMesh, leaf: NodeId, missed: [f64; 2], of_patches: &mut [[f64; 2]]) {
-    let patches = lit.patches_of(leaf);
-    let share = 1.0 / patches.len() as f64;
-    for patch in patches {
-        let all = &mut of_patches[patch as usize];
-        *all = sum(*all, missed.map(|missed| share * missed));
     }
 }
