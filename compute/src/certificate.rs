@@ -79,6 +79,9 @@ pub struct Certificate {
     pub rows_drawn: u32,
     /// Patches that no other patch sees, of those that light can reach; null unless all rows of these were drawn.
     pub hidden_patches: Option<u32>,
+    /// Which these are, ascending; empty where they are not known.
+    #[serde(skip)]
+    pub hidden: Vec<PatchId>,
     /// Patches that lie inside of solids or behind walls: most of what they see is backs and openings, and they neither emit
     /// nor are lit; null as above, and before the solution is near its end.
     pub inside_patches: Option<u32>,
@@ -177,11 +180,13 @@ pub fn certify(rows: &RowCache, known: Known) -> Certificate {
     let hidden = (0..areas.len())
         .filter(|&j| !rows.unlit()[j] && !is_seen(j))
         .collect::<Vec<usize>>();
-    let patch_count = |receivers: &mut dyn Iterator<Item = usize>| -> u32 {
-        receivers.map(|j| known.patches_in(j).len() as u32).sum()
-    };
     // Where nobody sees anybody, as around a solid, there is no exchange to be left out of.
     let leave_out_hidden = all_drawn && (hidden.len() as u32) < lit;
+    let hidden: Vec<PatchId> = hidden
+        .into_iter()
+        .filter(|_| all_drawn)
+        .flat_map(|j| known.patches_in(j).map(PatchId))
+        .collect();
     let is_inside = |j: usize| {
         let patch = PatchId(j as u32);
         inside.is_some_and(|inside| inside.binary_search(&patch).is_ok())
@@ -222,9 +227,12 @@ pub fn certify(rows: &RowCache, known: Known) -> Certificate {
     };
     let mut certificate = Certificate {
         rows_drawn,
-        hidden_patches: all_drawn.then(|| patch_count(&mut hidden.into_iter())),
-        inside_patches: inside
-            .map(|inside| patch_count(&mut inside.iter().map(|patch| patch.index()))),
+        hidden_patches: all_drawn.then_some(hidden.len() as u32),
+        hidden,
+        inside_patches: inside.map(|inside| {
+            let patches = inside.iter().map(|j| known.patches_in(j.index()).len());
+            patches.sum::<usize>() as u32
+        }),
         open_share,
         meant_open_share: meant.and(open_share.zip(unmeant_share).map(|(all, un)| all - un)),
         back_face_share,

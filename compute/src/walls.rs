@@ -15,8 +15,6 @@ use visibility::Drawable;
 use visibility::regions::walls;
 
 use crate::foot::Feet;
-use crate::form_factors::area_of_function_sources;
-use crate::settings::{SolveSettings, SourceArea, Target};
 
 /// Walls are worth it where a scene has so many times as many surfaces as they have patches, or more. Where it has a few times as many,
 /// these are vertices to begin with that do no harm.
@@ -58,16 +56,6 @@ struct Grid {
 }
 
 impl<'a> Walls<'a> {
-    /// The walls that are solved instead of a scene, and what is asked of their function; `None` where the scene is solved as it is.
-    pub fn to_solve(original: &'a Scene, settings: &SolveSettings) -> Option<(Self, Target)> {
-        let target = settings.function()?;
-        if settings.solution.source_area != SourceArea::Auto {
-            return None;
-        }
-        let walls = Self::of(original, area_of_function_sources(original, target))?;
-        Some((walls, target))
-    }
-
     /// The walls of a scene, with patches of at most so many m^2; `None` where they are not much fewer triangles than its surfaces.
     pub fn of(original: &'a Scene, max_area: f64) -> Option<Self> {
         let drawable = Drawable::new(original);

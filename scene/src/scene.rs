@@ -206,6 +206,24 @@ impl Scene {
         }
     }
 
+    /// The same scene with finer patches: surface s is bisected `max(bisections(s, its own), its own)` times, so that every patch of
+    /// that is one of this scene or several.
+    ///
+    /// # Errors
+    /// More patches than there may be.
+    pub fn refined(&self, bisections: impl Fn(SurfaceId, u32) -> u32) -> Result<Self, SceneError> {
+        let ids = (0..).map(SurfaceId);
+        let depths: Vec<u32> = ids
+            .zip(self.mesh.trees())
+            .map(|(id, tree)| bisections(id, tree.depth).max(tree.depth))
+            .collect();
+        Ok(Self {
+            mesh: Mesh::new(&depths)?,
+            inside: Vec::new(),
+            ..self.clone()
+        })
+    }
+
     /// The same scene, of which it is known that these patches, ascending, lie inside of solids: they are never lit, nobody
     /// sees them, and they have no part in means, errors or interpolation. Without this none is known to.
     ///

@@ -14,8 +14,8 @@ use crate::form_factors::{FormFactors, Levels, Needed, area_of_function_sources}
 use crate::quantity::{show_duration, show_size};
 use crate::settings::Target;
 use crate::sources::Sources;
+use crate::stand_in::StandIn;
 use crate::two_levels;
-use crate::walls::Walls;
 
 /// Places, evenly over the scene, where rows are drawn to tell what all take.
 const PLACES: u32 = 8;
@@ -48,17 +48,17 @@ fn text(settings: &Settings, cancel: &CancelToken) -> anyhow::Result<String> {
         Some(target) => form_factors.levels_of_function(source_area, target),
         None => form_factors.levels(source_area),
     };
-    let walls = Walls::to_solve(&scene, &solve);
-    let area = match (&walls, levels) {
+    let stand_in = StandIn::to_solve(&scene, &solve);
+    let area = match (&stand_in, levels) {
         (Some((_, target)), _) => Some(area_of_function_sources(&scene, *target)),
         (None, Levels::Patches) => None,
         (None, Levels::Sources(area)) => Some(area),
         (None, Levels::Automatic) => two_levels::areas_to_try(&scene).next(),
     };
-    let coarse = area.filter(|_| walls.is_none());
+    let coarse = area.filter(|_| stand_in.is_none());
     let coarse = coarse.map(|area| two_levels::sources(&scene, area));
-    let sources = match &walls {
-        Some((walls, _)) => walls.scene(),
+    let sources = match &stand_in {
+        Some((stand_in, _)) => stand_in.scene(),
         None => coarse.as_ref().unwrap_or(&scene),
     };
     let rows = Rows::of(&form_factors.of_scene(sources), sources, settings)?;

@@ -9,7 +9,7 @@ mod finish;
 mod iterate;
 mod levels;
 mod observer;
-mod on_walls;
+mod on_stand_in;
 mod outcome;
 mod start;
 
@@ -245,8 +245,8 @@ impl<'a> Solve<'a> {
         }
         let start_is_good = self.start.as_ref().map(|start| start.validate(self.scene));
         start_is_good.transpose().map_err(SolveFault::Start)?;
-        match self.walls() {
-            Some((walls, target)) => self.run_on(&walls, target),
+        match self.stand_in() {
+            Some((stand_in, target)) => self.run_on(&stand_in, target),
             None => self.run_on_scene(),
         }
     }

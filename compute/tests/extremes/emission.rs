@@ -146,6 +146,9 @@ fn the_program_solves_the_darkest_and_the_brightest() {
                     "meant_open_share",
                     "back_faces",
                     "/backend/trial",
+                    // Told where patches gather from sources.
+                    "/sources/estimated_error",
+                    "/sources/gathered_share",
                 ]
                 .iter()
                 .any(|unset| path.ends_with(unset));

@@ -1,4 +1,5 @@
-//! Walls that arrive as many triangles: they cost what they would as few, and show the same light.
+//! What stands in for scenes: walls that arrive as many triangles cost what they would as few, surfaces that arrive whole are meshed as
+//! the light asks for, and either way the scene shows it.
 
 mod common;
 
@@ -94,12 +95,44 @@ fn light_does_not_pass_below_a_wall_of_many_triangles() {
     );
 }
 
-/// A run that was stopped among walls begins anew, with the bits of one that was not.
+/// A floor of two patches, and a lamp over it of two, are no two sources: smaller ones stand in for them. Means over the patches are
+/// those of the function.
 #[test]
-fn a_run_on_walls_goes_on_with_the_same_bits() {
+fn surfaces_that_come_whole_are_meshed_as_the_error_asks() {
+    let meshed = two_rooms();
+    let whole = meshed.coarsened(|_, _| 0);
+    let of_whole = solved(&whole, SourceArea::Auto, 0.4 * ASKED);
+    let report = of_whole.function.unwrap();
+    assert!(report.is_reached, "{report:?}");
+    assert!(of_whole.sources.unwrap().count > 8 * whole.patch_count());
+    of_whole.solution().validate(&whole).unwrap();
+    assert_eq!(
+        of_whole.solution().error().unwrap().len(),
+        whole.patch_count() as usize
+    );
+    let means = of_whole.solution().mean_irradiance(&whole);
+    assert_eq!(of_whole.irradiance(), means);
+    let right = solved(&meshed, SourceArea::Patches, 0.2 * ASKED);
+    let found = compare::errors((&whole, of_whole.solution()), (&meshed, right.solution()));
+    let found = found.unwrap();
+    assert!(found.power < 1.5 * 0.4 * ASKED, "{found:?}");
+}
+
+/// A run that was stopped among what stands in for its scene begins anew, with the bits of one that was not.
+#[test]
+fn a_run_on_a_stand_in_goes_on_with_the_same_bits() {
+    let scenes = [
+        tessellated(&two_rooms(), 5),
+        two_rooms().coarsened(|_, _| 0),
+    ];
+    for scene in &scenes {
+        goes_on(scene);
+    }
+}
+
+fn goes_on(scene: &Scene) {
     let folder = folder();
-    let scene = tessellated(&two_rooms(), 5);
-    save(folder.path(), "in.rad", &scene);
+    save(folder.path(), "in.rad", scene);
     let arguments = ["--target-error", "5%", "--backend", "cpu"];
     solve(
         folder.path(),

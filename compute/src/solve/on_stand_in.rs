@@ -1,4 +1,4 @@
-//! Solving a scene on its walls, where these are far fewer triangles ([`crate::walls`]).
+//! Solving what stands in for a scene ([`crate::stand_in`]), where it has far more triangles than the light needs, or too few patches.
 
 use scene::{Level, PatchId, Provenance, Solution, State};
 
@@ -7,26 +7,28 @@ use crate::backend::RowOrigin;
 use crate::form_factors::area_of_function_sources;
 use crate::function::{Errors, FunctionFault, carried_over};
 use crate::settings::{SolveSettings, Target};
-use crate::walls::Walls;
+use crate::stand_in::StandIn;
 
 impl<'a> Solve<'a> {
-    /// The walls that are to be solved instead of the scene. What goes on from patches' values begins anew there, so that it has the
-    /// bits of a run that was never stopped.
-    pub(super) fn walls(&self) -> Option<(Walls<'a>, Target)> {
+    /// What is to be solved instead of the scene. What goes on from patches' values begins anew there, so that it has the bits of a
+    /// run that was never stopped.
+    pub(super) fn stand_in(&self) -> Option<(StandIn<'a>, Target)> {
         let most = self.settings.max_iterations;
         let is_over = self.start.as_ref().is_some_and(|start| {
-            start.function.is_some() && most.is_some_and(|most| start.provenance.iterations >= most)
+            let is_of_patches = start.provenance.level.source_area().is_none();
+            let had = start.provenance.iterations;
+            (start.function.is_some() || is_of_patches) && most.is_some_and(|most| had >= most)
         });
         if is_over {
             return None;
         }
-        Walls::to_solve(self.scene, &self.settings)
+        StandIn::to_solve(self.scene, &self.settings)
     }
 
-    /// Solves these walls, and tells what their solution is on the scene.
-    pub(super) fn run_on(self, walls: &Walls, target: Target) -> Result<Solved, SolveError> {
+    /// Solves this, and tells what its solution is on the scene.
+    pub(super) fn run_on(self, stand_in: &StandIn, target: Target) -> Result<Solved, SolveError> {
         let on_scene = OnScene {
-            walls,
+            stand_in,
             target,
             settings: self.settings,
         };
@@ -36,7 +38,7 @@ impl<'a> Solve<'a> {
             observer: self.observer.unwrap_or(&mut nobody),
         };
         let solved = Solve {
-            scene: walls.scene(),
+            scene: stand_in.scene(),
             start: None,
             settings: self.settings,
             cancel: self.cancel,
@@ -54,66 +56,64 @@ impl<'a> Solve<'a> {
     }
 }
 
-/// What is known of walls, on the scene whose walls they are.
-struct OnScene<'w> {
-    walls: &'w Walls<'w>,
+/// What is known of a stand-in, on the scene that it stands in for.
+struct OnScene<'s> {
+    stand_in: &'s StandIn<'s>,
     target: Target,
     settings: SolveSettings,
 }
 
 impl OnScene<'_> {
-    /// The same solution without its function: each patch has what the walls' patch has that it lies in.
-    fn irradiances(&self, of_walls: &Solution) -> Solution {
-        let scene = self.walls.original();
+    /// The same solution without its function.
+    fn irradiances(&self, of_stand_in: &Solution) -> Solution {
+        let scene = self.stand_in.original();
         let mut settings = self.settings.solution.recorded(scene.patch_count());
-        let recorded = of_walls.provenance.settings.as_ref();
+        let recorded = of_stand_in.provenance.settings.as_ref();
         if let Some(origin) = recorded.and_then(RowOrigin::recorded_in) {
             origin.record_in(&mut settings);
         }
         let max_area = area_of_function_sources(scene, self.target);
         Solution {
-            irradiance: self.walls.values(&of_walls.irradiance),
+            irradiance: self.stand_in.values(&of_stand_in.irradiance),
             provenance: Provenance {
                 settings: Some(settings),
                 level: Level::Sources { max_area },
-                ..of_walls.provenance.clone()
+                ..of_stand_in.provenance.clone()
             },
             state: State::AtRest,
             function: None,
         }
     }
 
-    fn solution(&self, of_walls: &Solution) -> Result<Solution, FunctionFault> {
-        let mut solution = self.irradiances(of_walls);
-        if let Some(function) = &of_walls.function {
-            solution.function = Some(carried_over(function, self.walls, &self.target)?);
-            solution.irradiance = solution.mean_irradiance(self.walls.original());
+    fn solution(&self, of_stand_in: &Solution) -> Result<Solution, FunctionFault> {
+        let mut solution = self.irradiances(of_stand_in);
+        if let Some(function) = &of_stand_in.function {
+            solution.function = Some(match self.stand_in {
+                StandIn::Walls(walls) => carried_over(function, walls, &self.target)?,
+                StandIn::Finer(finer) => finer.put_together(function)?,
+            });
+            solution.irradiance = solution.mean_irradiance(self.stand_in.original());
         }
         Ok(solution)
     }
 
-    fn solved(&self, of_walls: Solved) -> Result<Solved, SolveError> {
-        let scene = self.walls.original();
-        let solution = self.solution(&of_walls.solution)?;
-        let lying_in = |of_walls: &[PatchId]| -> Vec<PatchId> {
-            let patches = (0..scene.patch_count()).map(PatchId);
-            let is_in = |patch: &PatchId| {
-                let patch = self.walls.patch_of(*patch);
-                of_walls.binary_search(&patch).is_ok()
-            };
-            patches.filter(is_in).collect()
-        };
-        let unlit = lying_in(&of_walls.unlit);
-        let inside = of_walls.inside.as_deref().map(lying_in);
-        let mut certificate = of_walls.certificate;
-        // Those of the walls are no patches.
-        certificate.hidden_patches = None;
+    fn solved(&self, of_stand_in: Solved) -> Result<Solved, SolveError> {
+        let scene = self.stand_in.original();
+        let solution = self.solution(&of_stand_in.solution)?;
+        let lying_in = |patches: &[PatchId]| self.stand_in.lying_in(patches);
+        let unlit = lying_in(&of_stand_in.unlit);
+        let inside = of_stand_in.inside.as_deref().map(lying_in);
+        let mut certificate = of_stand_in.certificate;
+        certificate.hidden = lying_in(&certificate.hidden);
+        let hidden = certificate.hidden.len() as u32;
+        certificate.hidden_patches = certificate.hidden_patches.map(|_| hidden);
         certificate.inside_patches = inside.as_ref().map(|inside| inside.len() as u32);
-        if let Some(reciprocity) = &mut certificate.reciprocity {
-            let first = lying_in(&[PatchId(reciprocity.worst_patch)])
-                .first()
-                .copied();
-            reciprocity.worst_patch = first.unwrap_or(PatchId(0)).0;
+        let reciprocity = certificate.reciprocity.as_mut();
+        let findings = [&mut certificate.opening, &mut certificate.back_faces];
+        let worst = findings.into_iter().flatten();
+        let worst = worst.map(|finding| &mut finding.worst_patch);
+        for patch in worst.chain(reciprocity.map(|found| &mut found.worst_patch)) {
+            *patch = self.stand_in.patch_with(PatchId(*patch)).0;
         }
         let max_area = area_of_function_sources(scene, self.target);
         Ok(Solved {
@@ -124,15 +124,15 @@ impl OnScene<'_> {
             inside,
             sources: Some(SourcesReport {
                 gathered_share: None,
-                ..SourcesReport::new(self.walls.scene().patch_count(), max_area)
+                ..SourcesReport::new(self.stand_in.scene().patch_count(), max_area)
             }),
             solution,
-            ..of_walls
+            ..of_stand_in
         })
     }
 }
 
-/// Who watches a run on walls is told of the scene.
+/// Who watches a run on a stand-in is told of the scene.
 struct Mapped<'m> {
     on_scene: &'m OnScene<'m>,
     observer: &'m mut dyn Observer,
