@@ -40,6 +40,9 @@ use crate::unlit;
 const FUNCTION_SOURCE: f64 = 0.05;
 const FUNCTION_SOURCES: [f64; 2] = [1.0 / 65536.0, 1.0 / 512.0];
 
+/// By how many times as many points patches are looked at more closely, at least.
+const CLOSER_POINTS: u32 = 4;
+
 /// The largest area, m^2, of sources from which a function is gathered.
 pub fn area_of_function_sources(scene: &Scene, target: Target) -> f64 {
     let [least, most] = FUNCTION_SOURCES;
@@ -59,6 +62,15 @@ pub struct FormFactors<'a> {
     remark: Option<String>,
     cancel: CancelToken,
     row_files: Option<RowFiles>,
+}
+
+/// How patches are looked at more closely.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Closely {
+    /// At the same points.
+    Pixels,
+    /// At several times as many points, too.
+    PointsAndPixels,
 }
 
 /// Among what a scene is solved.
@@ -173,6 +185,12 @@ impl<'a> FormFactors<'a> {
             cancel: self.cancel.clone(),
             row_files: self.row_files.clone(),
         }
+    }
+
+    /// The same by other settings.
+    #[must_use]
+    pub fn with_settings(self, settings: FormFactorSettings) -> Self {
+        Self { settings, ..self }
     }
 
     /// The same, whose drawing of many rows ends early where the token says so.
@@ -300,12 +318,16 @@ impl<'a> FormFactors<'a> {
         self.open(&Arc::new(Hemicubes::at(receivers, sources, self.settings)))
     }
 
-    /// The rows of some patches, more closely: by hemicubes of twice the resolution, at several times as many points, turned
-    /// otherwise. What the usual rows are off by shows in the difference.
+    /// The rows of some patches, more closely: by hemicubes of twice the resolution, turned otherwise. What the usual rows are off by
+    /// shows in the difference.
     ///
     /// # Errors
     /// As [`Self::rows`].
-    pub fn closer(&self, chosen: Vec<PatchId>) -> Result<Backend<'a>, BackendError> {
+    pub fn closer(
+        &self,
+        chosen: Vec<PatchId>,
+        closely: Closely,
+    ) -> Result<Backend<'a>, BackendError> {
         let FormFactorSettings {
             resolution,
             points,
@@ -321,7 +343,11 @@ impl<'a> FormFactors<'a> {
             },
             ..self.clone()
         };
-        closer.at(Box::new(Closer::new(patches, chosen)), sources)
+        let times = match closely {
+            Closely::Pixels => 1,
+            Closely::PointsAndPixels => CLOSER_POINTS,
+        };
+        closer.at(Box::new(Closer::new(patches, chosen, times)), sources)
     }
 
     /// The rows of patches as formulas, where they can be had and are wanted.

@@ -14,6 +14,7 @@ use crate::quantity::{show_duration, show_size};
 use crate::settings::{SolutionSettings, SolveSettings};
 use crate::solve::{Seconds, Solved, SourcesReport, StoppedBy};
 use crate::solver::convergence::Convergence;
+use crate::view_factors::ViewFactorsReport;
 
 /// Everything about a run.
 #[derive(Clone, Debug, Serialize)]
@@ -70,6 +71,9 @@ pub struct Report {
     pub certificate: Certificate,
     /// What the irradiance function came to; null where none was asked for.
     pub function: Option<FunctionReport>,
+    /// How near view factors are; left out where no error was asked of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub view_factors: Option<ViewFactorsReport>,
     /// What the summary says of its error.
     #[serde(skip)]
     error_line: Option<String>,
@@ -184,15 +188,28 @@ impl Report {
             back_face_share: solved.back_face_share,
             certificate: solved.certificate().clone(),
             function: solved.function,
+            view_factors: None,
             error_line: solved.function.map(|function| function.describe(scene)),
             stopped_by: solved.stopped_by,
+        }
+    }
+
+    /// The same with how near view factors are, where an error was asked of them.
+    #[must_use]
+    pub fn with_view_factors(self, view_factors: Option<ViewFactorsReport>) -> Self {
+        let line = view_factors.as_ref().map(ViewFactorsReport::describe);
+        Self {
+            view_factors,
+            error_line: line.or(self.error_line),
+            ..self
         }
     }
 
     /// Why the run counts as a failure though its result is written.
     pub fn strict_failure(&self) -> Option<String> {
         let mut violations = self.certificate.violations.clone();
-        let is_unreached = self.function.is_some_and(|function| !function.is_reached);
+        let is_unreached = self.function.is_some_and(|function| !function.is_reached)
+            || self.view_factors.is_some_and(|factors| !factors.is_reached);
         let error = self.error_line.iter().filter(|_| is_unreached);
         violations.extend(error.map(|error| format!("its error is {error}")));
         (self.settings.strict && !violations.is_empty())

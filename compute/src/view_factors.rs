@@ -19,9 +19,17 @@
 //!
 //! the square of d less what comes from choosing m of them, and at least what independent errors come to.
 //!
+//! All of them together are off by the root mean square of these errors, each weighed by A's area, over that of the view factors:
+//!
+//! sqrt(sum_A A_A sum_B e_AB^2 / sum_A A_A sum_B F_AB^2).
+//!
 //! # Practice
 //! Units are summed as integers over B, in f64 over A in patch order, so threads and batches do not
 //! change a bit. Only pairs with F_AB > 0 have a line; F_AA is one of them where A sees itself.
+
+mod as_near;
+
+pub use as_near::{AsNear, Asked, ViewFactorsEnd, ViewFactorsReport, as_near_as};
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -32,6 +40,8 @@ use scene::file::{FileError, write_atomically};
 use scene::{ObjectId, PatchId, Scene};
 
 use crate::FormFactors;
+use crate::form_factors::Closely;
+use crate::receivers::mixed;
 use crate::row_cache::RowCache;
 use crate::rows::{BackendError, Entry, UNITS_PER_ONE};
 
@@ -97,7 +107,8 @@ impl ViewFactors {
         }
     }
 
-    /// Chooses patches that are to be looked at more closely, before any row is added: by steps, of each object.
+    /// Chooses patches that are to be looked at more closely, before any row is added: of each object one by chance in each of equal
+    /// runs. One in the same place of each would be one in the same place of each surface's tree, and might never be at a rim.
     fn choose(&mut self) {
         let mut patches: Vec<Vec<u32>> = vec![Vec::new(); self.areas.len()];
         for (patch, object) in (0..).zip(&self.objects) {
@@ -107,8 +118,11 @@ impl ViewFactors {
         for patches in patches {
             let count = patches.len().div_ceil(CLOSER_EVERY);
             let count = count.clamp(FEWEST_CLOSER, MOST_CLOSER).min(patches.len());
-            let steps = (0..count).map(|k| (2 * k + 1) * patches.len() / (2 * count));
-            chosen.extend(steps.map(|k| (PatchId(patches[k]), BTreeMap::new())));
+            let starts = (0..=count).map(|k| k * patches.len() / count);
+            let starts: Vec<usize> = starts.collect();
+            let runs = starts.windows(2).map(|ends| &patches[ends[0]..ends[1]]);
+            let one = |run: &[u32]| run[mixed(u64::from(run[0])) as usize % run.len()];
+            chosen.extend(runs.map(|run| (PatchId(one(run)), BTreeMap::new())));
         }
         chosen.sort_by_key(|&(patch, _)| patch);
         self.chosen = chosen;
@@ -125,10 +139,14 @@ impl ViewFactors {
         by_object
     }
 
-    /// Looks at the chosen patches more closely, once all rows are added.
-    fn look_closer(&mut self, form_factors: &FormFactors) -> Result<(), BackendError> {
+    /// The errors of view factors by A and B, as the chosen patches tell that are looked at more closely.
+    fn errors_by(
+        &self,
+        form_factors: &FormFactors,
+        closely: Closely,
+    ) -> Result<BTreeMap<(u32, u32), f64>, BackendError> {
         let chosen = self.chosen.iter().map(|&(patch, _)| patch).collect();
-        let mut backend = form_factors.closer(chosen)?;
+        let mut backend = form_factors.closer(chosen, closely)?;
         let mut differences: BTreeMap<(u32, u32), Differences> = BTreeMap::new();
         let mut counts = vec![0.0; self.areas.len()];
         let mut next: u32 = 0;
@@ -161,8 +179,38 @@ impl ViewFactors {
         let error = |((from, to), all): ((u32, u32), Differences)| {
             ((from, to), all.error(patches[from as usize]))
         };
-        self.errors = differences.into_iter().map(error).collect();
-        Ok(())
+        Ok(differences.into_iter().map(error).collect())
+    }
+
+    /// How much view factors are others than these, by A and B.
+    fn changes(&self, before: &Self) -> BTreeMap<(u32, u32), f64> {
+        let count = self.areas.len() as u32;
+        let pairs = (0..count).flat_map(|from| (0..count).map(move |to| (from, to)));
+        let change = |(from, to): (u32, u32)| {
+            let [now, before] =
+                [self, before].map(|of| of.view_factor(ObjectId(from), ObjectId(to)));
+            ((from, to), (now - before).abs())
+        };
+        pairs.map(change).collect()
+    }
+
+    /// What such errors come to together, relative.
+    fn mean_error(&self, errors: &BTreeMap<(u32, u32), f64>) -> f64 {
+        let area = |from: u32| self.areas[from as usize];
+        let wrong = errors
+            .iter()
+            .map(|(&(from, _), error)| area(from) * error * error);
+        let rows = (0..).zip(&self.exchange_areas);
+        let right = rows.flat_map(|(from, to)| {
+            let exchanged = to.values().map(move |exchange_area| exchange_area.powi(2));
+            exchanged.map(move |square| square / area(from))
+        });
+        let right: f64 = right.sum();
+        if right > 0.0 {
+            (wrong.sum::<f64>() / right).sqrt()
+        } else {
+            0.0
+        }
     }
 
     /// The estimate of the error of F_AB, over F_AB; `None` where nothing was looked at more closely.
@@ -276,23 +324,30 @@ impl Differences {
     }
 }
 
-/// Writes the view factors between all objects, drawing the rows that are not kept. Those rows are of `form_factors`.
-pub fn save(
-    path: &Path,
+/// The view factors between all objects, with their errors, by these rows of `form_factors`. Those that are not kept are drawn.
+///
+/// # Errors
+/// What a back end says; [`std::io::ErrorKind::Interrupted`] where it is cancelled.
+pub fn view_factors(
     scene: &Scene,
     form_factors: &FormFactors,
     rows: &mut RowCache,
-) -> Result<(), FileError> {
-    write_atomically(path, |out| {
-        let mut view_factors = ViewFactors::new(scene);
-        view_factors.choose();
-        rows.for_each_row(|from, row| {
-            view_factors.add(from, row.into_iter());
-            Ok(())
-        })?;
-        view_factors
-            .look_closer(form_factors)
-            .map_err(std::io::Error::other)?;
-        view_factors.write(out, scene)
-    })
+) -> std::io::Result<ViewFactors> {
+    let mut view_factors = ViewFactors::new(scene);
+    view_factors.choose();
+    rows.for_each_row(|from, row| {
+        view_factors.add(from, row.into_iter());
+        Ok(())
+    })?;
+    let errors = view_factors.errors_by(form_factors, Closely::PointsAndPixels);
+    view_factors.errors = errors.map_err(std::io::Error::other)?;
+    Ok(view_factors)
+}
+
+/// Writes view factors between all objects.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn save(path: &Path, scene: &Scene, view_factors: &ViewFactors) -> Result<(), FileError> {
+    write_atomically(path, |out| view_factors.write(out, scene))
 }

@@ -366,11 +366,9 @@ fn the_default_is_standard_where_there_is_light() {
         ("lit.rad --iterations 0", "mesh"),
         ("lit.rad --view-factors v.csv", "mesh"),
         ("dark.rad", "mesh"),
-        ("dark.rad --target-error 2%", "mesh"),
     ] {
         let (input, options) = arguments.split_once(' ').unwrap_or((arguments, ""));
         run(format!("{input} a.rad {options}").trim_end());
-        let options = options.replace("--target-error 2%", "");
         run(format!("{input} b.rad --quality {quality} {options}").trim_end());
         let [a, b] = ["a.rad", "b.rad"].map(|name| load(folder.path(), name));
         assert_eq!(a, b, "{arguments}");

@@ -132,6 +132,68 @@ fn stated_errors_are_those_of_the_closed_form() {
     }
 }
 
+/// Squares a hundredth apart see each other but at their rims, where points in the middle of patches see none of the opening. Of 2,048
+/// patches of a square, 64 are looked at more closely: by chance some of the tenth that is at the rim.
+#[test]
+fn a_rim_that_points_miss_is_an_error_that_is_stated() {
+    let folder = folder_with(&facing_squares(0.01), 1.0 / 2048.0);
+    let found = view_factors(folder.path(), &["32", "--points", "centroid"]);
+    for line in found.values() {
+        let exact = facing_squares_view_factor(0.01);
+        let error = (line.view_factor / exact - 1.0).abs();
+        assert!(error > 3e-3, "{line:?}");
+        assert!(
+            line.error > 0.5 * error && line.error < 2.0 * error,
+            "{error} {line:?}"
+        );
+    }
+}
+
+/// The error that is asked for is reached, by pixels where squares are far, by points where they are near. It is stated in the last
+/// line and the report; what cannot be reached with pixels and points as given fails with --strict alone.
+#[test]
+fn view_factors_are_as_near_as_is_asked() {
+    for (distance, asked) in [(1.0_f32, 0.001), (0.3, 0.0003), (0.02, 0.002)] {
+        let folder = folder_with(&facing_squares(distance), 1.0 / 512.0);
+        let error = format!("{}%", 100.0 * asked);
+        let options = ["--target-error", &error, "--report", "r.json"];
+        let found = view_factors(folder.path(), &options);
+        let exact = facing_squares_view_factor(distance.into());
+        for line in found.values() {
+            let error = (line.view_factor / exact - 1.0).abs();
+            assert!(error < 1.5 * asked, "{distance}: {error} {line:?}");
+        }
+        let report = std::fs::read(folder.path().join("r.json")).unwrap();
+        let report: serde_json::Value = serde_json::from_slice(&report).unwrap();
+        let told = &report["view_factors"];
+        assert_eq!(told["is_reached"], true);
+        assert_eq!(told["stopped_by"], "error");
+        assert_eq!(told["resolution"], report["settings"]["resolution"]);
+        assert!(told["error"].as_f64().unwrap() <= asked, "{told}");
+    }
+    let folder = folder_with(&facing_squares(1.0), 1.0 / 512.0);
+    let arguments = [
+        "in.rad",
+        "out.rad",
+        "16",
+        "--iterations",
+        "0",
+        "--points",
+        "centroid",
+        "--target-error",
+        "0.01%",
+    ];
+    let output = compute(folder.path(), &arguments);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(
+        said.contains("more than was asked for, with pixels and points as given"),
+        "{said}"
+    );
+    let strict = compute(folder.path(), &[&arguments[..], &["--strict"]].concat());
+    assert_eq!(strict.status.code(), Some(1), "{strict:?}");
+}
+
 #[test]
 fn facing_squares_have_the_closed_form_view_factor() {
     let folder = folder_with(&facing_squares(1.0), 1.0 / 512.0);

@@ -24,6 +24,7 @@ use crate::settings::{
     BackendChoice, Drawing, Quality, SolutionSettings, SolveSettings, SolverChoice, SourceArea,
     Wanted,
 };
+use crate::view_factors::Asked;
 
 /// Solves a scene by hemicube radiosity.
 ///
@@ -79,7 +80,8 @@ struct Arguments {
     source_area: SourceArea,
     /// How wrong the light may be: 2% of the power, 4%visible of what is visible, or both, as in 2%,4%visible. It is gathered
     /// at the vertices of a mesh that grows where light varies, whatever the patches, until its estimated error is no larger;
-    /// with --quality mesh it is that of patches' means, which are taken at more points where they vary
+    /// with --quality mesh it is that of patches' means, which are taken at more points where they vary; where nothing emits,
+    /// and with --iterations 0, it is that of the view factors between objects, drawn with more pixels or at more points
     #[arg(long, value_name = "ERROR")]
     target_error: Option<TargetError>,
     /// How good the result is to be [default: standard; mesh where nothing emits, and with --form-factors, --view-factors or
@@ -209,6 +211,7 @@ fn settings(arguments: Arguments) -> Result<Settings, clap::Error> {
         (None, None) if asks_for_form_factors => Quality::Mesh,
         (None, _) => Quality::default(),
     };
+    let asked_of_view_factors = arguments.asked_of_view_factors();
     let wanted = match (arguments.quality, arguments.target_error) {
         (_, None) => quality.settings(),
         (None, Some(error)) => Quality::settings_for(error.target()),
@@ -227,6 +230,7 @@ fn settings(arguments: Arguments) -> Result<Settings, clap::Error> {
             Quality::Thesis => solve,
             _ => arguments.solve_settings(Quality::Mesh.settings()),
         },
+        asked_of_view_factors,
         threads: arguments.threads.map(usize::from),
         rows_file_limit: arguments.rows_file_limit,
         keep_rows: arguments.keep_rows,
@@ -295,6 +299,19 @@ impl Arguments {
             all_rows: self.strict,
             target,
         }
+    }
+
+    /// What is asked of view factors where nothing else is solved.
+    fn asked_of_view_factors(&self) -> Option<Asked> {
+        let error = self.target_error?.target().strictest();
+        Some(Asked {
+            error,
+            first: self
+                .form_factor_settings
+                .settings(Quality::default().form_factors()),
+            is_resolution_given: self.form_factor_settings.has_resolution(),
+            are_points_given: self.form_factor_settings.has_points(),
+        })
     }
 
     /// Only OUT may be another file too, namely IN.

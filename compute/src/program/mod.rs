@@ -16,7 +16,7 @@ use crate::cancel::CancelToken;
 use crate::report::Report;
 use crate::settings::{BackendChoice, FormFactorSettings, SolveSettings};
 use crate::solve::StoppedBy;
-use crate::verify;
+use crate::{verify, view_factors};
 
 /// What the program is asked to do.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,6 +59,8 @@ pub struct Settings {
     pub solve: SolveSettings,
     /// The same where nothing emits, so that form factors are all there is.
     pub solve_without_light: SolveSettings,
+    /// What is asked of view factors where form factors are all that is wanted, or all there is.
+    pub asked_of_view_factors: Option<view_factors::Asked>,
     /// Threads of the CPU; `None`: one for each core.
     pub threads: Option<usize>,
     /// What rows of form factors may take in a file beside the output, bytes.

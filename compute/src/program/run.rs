@@ -2,7 +2,7 @@
 
 use std::io::ErrorKind;
 use std::path::Path;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use scene::file::{self, FileError, FileFault, OutputLock};
@@ -16,7 +16,9 @@ use crate::function::Errors;
 use crate::report::{Files, Report};
 use crate::row_cache::RowCache;
 use crate::row_file::{self, RowFileError, RowFileRemark, RowFiles};
+use crate::settings::{FormFactorSettings, SolutionSettings};
 use crate::solve::{Observer, Position, Remark, Solve, SolveError, StoppedBy};
+use crate::view_factors::{AsNear, Asked, ViewFactorsReport};
 use crate::{form_factors_csv, view_factors};
 
 /// Does what was asked for, and says on standard error what a user should know on the way.
@@ -55,21 +57,34 @@ fn solve_and_report(settings: &Settings, cancel: &CancelToken) -> anyhow::Result
     let (scene, before) = file::load(&settings.input)?;
     let settings = &of_scene(settings, &scene, before.as_ref());
     let load = start.elapsed();
-    let rows = match write_factors(
+    let limit = settings.solve.time_limit;
+    let is_late = |more| limit.is_some_and(|limit| start.elapsed() + more >= limit);
+    let factors = Factors {
         settings,
-        &scene,
-        before.as_ref(),
-        row_files.as_ref(),
+        scene: &scene,
+        before: before.as_ref(),
+        row_files: row_files.as_ref(),
         cancel,
-    ) {
-        Ok(rows) => rows,
+        is_late: &is_late,
+    };
+    let Written {
+        rows,
+        form_factors,
+        view_factors,
+    } = match factors.write() {
+        Ok(written) => written,
         Err(error) if cancel.is_cancelled() => {
             // What there is of a solution is still written below.
             eprintln!("compute: {error:#}");
-            None
+            Written::default()
         }
         Err(error) => return Err(error),
     };
+    let mut settings = settings.clone();
+    if let Some(form_factors) = form_factors {
+        settings.solve.solution.form_factors = form_factors;
+    }
+    let settings = &settings;
     let mut watch = Watch {
         settings,
         scene: &scene,
@@ -106,7 +121,8 @@ fn solve_and_report(settings: &Settings, cancel: &CancelToken) -> anyhow::Result
         input: &settings.input,
         output: &settings.output,
     };
-    let report = Report::new(&files, &scene, &settings.solve, settings.strict, &solved);
+    let report = Report::new(&files, &scene, &settings.solve, settings.strict, &solved)
+        .with_view_factors(view_factors);
     for warning in report.warnings() {
         eprintln!("compute: warning: {warning}");
     }
@@ -116,67 +132,124 @@ fn solve_and_report(settings: &Settings, cancel: &CancelToken) -> anyhow::Result
     Ok(report)
 }
 
-/// What is asked of a scene: where it has no light, and has had none, form factors are all there is.
+/// What is asked of a scene: where it has no light, and has had none, form factors are all there is. So they are where no iteration
+/// is wanted but their error is asked for.
 pub(super) fn of_scene(settings: &Settings, scene: &Scene, before: Option<&Solution>) -> Settings {
     let mut settings = settings.clone();
     let is_dark = |before: &Solution| before.irradiance.iter().all(|&h| h == Rgb::ZERO);
-    if scene.emitted_power().max_element() == 0.0 && before.is_none_or(is_dark) {
+    let has_no_light = scene.emitted_power().max_element() == 0.0 && before.is_none_or(is_dark);
+    let has_no_iteration = settings.solve.max_iterations == Some(0);
+    if has_no_light || has_no_iteration && settings.asked_of_view_factors.is_some() {
         settings.solve = settings.solve_without_light;
+    } else {
+        settings.asked_of_view_factors = None;
     }
     settings
 }
 
-/// Writes the form factors and the view factors between patches that were asked for, as one value a patch would have them. The rows
-/// are handed back where the scene is solved with them.
-fn write_factors<'s>(
-    settings: &Settings,
-    scene: &'s Scene,
-    before: Option<&Solution>,
-    row_files: Option<&RowFiles>,
-    cancel: &CancelToken,
-) -> anyhow::Result<Option<RowCache<'s>>> {
-    if settings.form_factors_csv.is_none() && settings.view_factors_csv.is_none() {
-        return Ok(None);
-    }
-    let has_function = settings.solve.function().is_some();
-    let solution = if has_function {
-        settings.solve_without_light.solution
-    } else {
-        settings.solve.solution
-    };
-    let form_factors = FormFactors::new(scene, solution.form_factors, settings.solve.drawing)
-        .going_on(before, solution)
-        .with_cancel(cancel)
-        .with_row_files(row_files.cloned());
-    let mut rows = form_factors.rows(Needed::All)?;
-    let form_factors = form_factors.after(&rows);
-    let written = write_tables(settings, scene, &form_factors, &mut rows);
-    if written.is_err() {
-        rows.save();
-    } else {
-        rows.flush();
-    }
-    for remark in rows.take_remarks() {
-        eprintln!("compute: {}", told(&remark));
-    }
-    written?;
-    let is_one_level = form_factors.levels(solution.source_area) == Levels::Patches;
-    Ok((is_one_level && !has_function).then_some(rows))
+/// The form factors and view factors of a run, and where they go.
+struct Factors<'s, 'a> {
+    settings: &'s Settings,
+    scene: &'a Scene,
+    before: Option<&'s Solution>,
+    row_files: Option<&'s RowFiles>,
+    cancel: &'s CancelToken,
+    is_late: &'s dyn Fn(Duration) -> bool,
 }
 
-fn write_tables(
-    settings: &Settings,
-    scene: &Scene,
-    form_factors: &FormFactors,
-    rows: &mut RowCache,
-) -> Result<(), FileError> {
-    if let Some(path) = &settings.form_factors_csv {
-        form_factors_csv::save(path, rows)?;
+/// What came of them.
+#[derive(Default)]
+struct Written<'a> {
+    /// Where the scene is solved with them.
+    rows: Option<RowCache<'a>>,
+    /// What decides them, where their error did.
+    form_factors: Option<FormFactorSettings>,
+    view_factors: Option<ViewFactorsReport>,
+}
+
+impl<'a> Factors<'_, 'a> {
+    /// Writes the form factors and the view factors between patches that were asked for, as one value a patch would have them.
+    fn write(&self) -> anyhow::Result<Written<'a>> {
+        if let Some(asked) = self.settings.asked_of_view_factors {
+            return self.write_as_near_as(asked);
+        }
+        let settings = self.settings;
+        if settings.form_factors_csv.is_none() && settings.view_factors_csv.is_none() {
+            return Ok(Written::default());
+        }
+        let has_function = settings.solve.function().is_some();
+        let solution = if has_function {
+            settings.solve_without_light.solution
+        } else {
+            settings.solve.solution
+        };
+        let form_factors = self
+            .form_factors(solution)
+            .with_row_files(self.row_files.cloned());
+        let mut rows = form_factors.rows(Needed::All)?;
+        let form_factors = form_factors.after(&rows);
+        let written = self.write_tables(&form_factors, &mut rows);
+        if written.is_err() {
+            rows.save();
+        } else {
+            rows.flush();
+        }
+        for remark in rows.take_remarks() {
+            eprintln!("compute: {}", told(&remark));
+        }
+        written?;
+        let is_one_level = form_factors.levels(solution.source_area) == Levels::Patches;
+        Ok(Written {
+            rows: (is_one_level && !has_function).then_some(rows),
+            ..Written::default()
+        })
     }
-    if let Some(path) = &settings.view_factors_csv {
-        view_factors::save(path, scene, form_factors, rows)?;
+
+    /// The same as near as is asked for.
+    fn write_as_near_as(&self, asked: Asked) -> anyhow::Result<Written<'a>> {
+        let solution = self.settings.solve.solution;
+        let form_factors = self.form_factors(solution);
+        let near = view_factors::as_near_as(asked, self.scene, form_factors, self.is_late)?;
+        let AsNear {
+            view_factors: found,
+            form_factors,
+            mut rows,
+            report,
+        } = near;
+        if let Some(path) = &self.settings.form_factors_csv {
+            form_factors_csv::save(path, &mut rows)?;
+        }
+        if let Some(path) = &self.settings.view_factors_csv {
+            view_factors::save(path, self.scene, &found)?;
+        }
+        let is_one_level = form_factors.levels(solution.source_area) == Levels::Patches;
+        Ok(Written {
+            rows: is_one_level.then_some(rows),
+            form_factors: Some(form_factors.settings()),
+            view_factors: Some(report),
+        })
     }
-    Ok(())
+
+    fn form_factors(&self, solution: SolutionSettings) -> FormFactors<'a> {
+        FormFactors::new(
+            self.scene,
+            solution.form_factors,
+            self.settings.solve.drawing,
+        )
+        .going_on(self.before, solution)
+        .with_cancel(self.cancel)
+    }
+
+    fn write_tables(&self, form_factors: &FormFactors, rows: &mut RowCache) -> anyhow::Result<()> {
+        if let Some(path) = &self.settings.form_factors_csv {
+            form_factors_csv::save(path, rows)?;
+        }
+        if let Some(path) = &self.settings.view_factors_csv {
+            let found = view_factors::view_factors(self.scene, form_factors, rows)?;
+            view_factors::save(path, self.scene, &found)?;
+        }
+        Ok(())
+    }
 }
 
 /// Writes a solution to the output; where the disk is full, once more after room has been made.

@@ -111,10 +111,8 @@ impl Patches<'_> {
     }
 }
 
-/// By how many times as many points patches are looked at more closely, at least.
-const CLOSER: u32 = 4;
-
-/// Some patches, each at several times as many points, by a rule of another kind or order, and otherwise turned.
+/// Some patches, each at so many times as many points or more, by a rule of another kind or order where these are more, and otherwise
+/// turned.
 #[derive(Debug)]
 pub struct Closer<'a> {
     patches: Patches<'a>,
@@ -126,8 +124,11 @@ pub struct Closer<'a> {
 
 impl<'a> Closer<'a> {
     /// Some of these patches; receiver i is the i-th of them.
-    pub fn new(mut patches: Patches<'a>, chosen: Vec<PatchId>) -> Self {
-        let rule = |patch: &PatchId| Rule::of_at_least(CLOSER * patches.rule(patch.0).count());
+    pub fn new(mut patches: Patches<'a>, chosen: Vec<PatchId>, times: u32) -> Self {
+        let rule = |patch: &PatchId| match (patches.rule(patch.0), times) {
+            (rule, 1) => rule,
+            (rule, times) => Rule::of_at_least(times * rule.count()),
+        };
         let rules: Vec<Rule> = chosen.iter().map(rule).collect();
         let mut firsts = vec![0];
         for rule in &rules {

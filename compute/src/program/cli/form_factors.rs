@@ -36,6 +36,11 @@ pub(super) struct FormFactorArguments {
 }
 
 impl FormFactorArguments {
+    /// Whether the resolution is given.
+    pub fn has_resolution(&self) -> bool {
+        self.resolution.is_some()
+    }
+
     /// Whether it is said where hemicubes stand.
     pub fn has_points(&self) -> bool {
         self.points.is_some()
