@@ -176,7 +176,7 @@ pub fn gather<'a>(
     let first: Vec<Place> = vertices.map(|vertex| place(&mesh, vertex)).collect();
     let mut making = Making {
         scene,
-        growth: Growth::new(LitMesh::new(scene, mesh), order.target),
+        growth: Growth::new(LitMesh::new(scene, mesh), order.target.in_pictures()),
         gatherer: Gatherer::new(form_factors, sources, irradiance, &first, order.cancel)?,
         order,
         resolve,
@@ -280,17 +280,25 @@ impl Making<'_, '_> {
     /// Why it is to end now, if it is.
     fn end(&mut self, error: &ErrorByCause, is_late: bool, can_grow: bool) -> Option<FunctionEnd> {
         let growth = &mut self.growth;
-        if growth.is_reached(error.total) {
-            Some(FunctionEnd::Error)
+        let end = if growth.is_reached(error.total) {
+            FunctionEnd::Error
         } else if growth.is_full() {
-            Some(FunctionEnd::Vertices)
+            FunctionEnd::Vertices
         } else if is_late {
-            Some(FunctionEnd::TimeLimit)
+            FunctionEnd::TimeLimit
         } else if !can_grow || growth.is_enough(error.mesh) || growth.is_stuck(error.mesh) {
-            Some(FunctionEnd::OtherCauses)
+            FunctionEnd::OtherCauses
         } else {
-            None
-        }
+            return None;
+        };
+        // What goes with it may be beyond reach.
+        let is_reached = self.is_reached(error);
+        Some(if is_reached { FunctionEnd::Error } else { end })
+    }
+
+    /// Whether an error is as small as was asked for.
+    fn is_reached(&self, error: &ErrorByCause) -> bool {
+        growth::is_below(error.total, growth::asked(&self.order.target))
     }
 
     /// The function with the estimates of its error, and what is said of it.
@@ -311,7 +319,7 @@ impl Making<'_, '_> {
             checks,
             points: None,
             error: is_known.then_some(*error),
-            is_reached: is_known && self.growth.is_reached(error.total),
+            is_reached: is_known && self.is_reached(error),
             stopped_by,
             mostly_by: is_known.then(|| error.worst(&self.order.target)),
             mostly_on: report::worst_object(self.scene, &patch_errors),

@@ -78,7 +78,8 @@ struct Arguments {
     /// than 65536 as an estimated error of 0.5 percent allows), or A
     #[arg(long, default_value = "auto", value_name = "A")]
     source_area: SourceArea,
-    /// How wrong the light may be: 2% of the power, 4%visible of what is visible, or both, as in 2%,4%visible. It is gathered
+    /// How wrong the light may be: 2% of the power, 4%visible of what is visible, or both, as in 2%,4%visible; power alone
+    /// goes on for 2.5 times as much of what is visible while that helps, so that pictures from anywhere hold it. It is gathered
     /// at the vertices of a mesh that grows where light varies, whatever the patches, until its estimated error is no larger;
     /// with --quality mesh it is that of patches' means, which are taken at more points where they vary; where nothing emits,
     /// and with --iterations 0, it is that of the view factors between objects, drawn with more pixels or at more points

@@ -46,6 +46,17 @@ impl Target {
         }
     }
 
+    /// The same, which also asks for what is visible where it asks for power alone: as much as goes with that. A camera may look
+    /// closely at what has little of the power, and what it sees is to be no worse than was asked for.
+    #[must_use]
+    pub(crate) fn in_pictures(self) -> Self {
+        let by_power = self.power.map(|power| VISIBLE_OVER_POWER * power);
+        Self {
+            visible: self.visible.or(by_power),
+            ..self
+        }
+    }
+
     /// The power error that is asked for, or that goes with the visible error where that asks for more; 1 where nothing is
     /// asked for.
     pub fn strictest(&self) -> f64 {
