@@ -274,8 +274,7 @@ impl<'s> Growth<'s> {
 
     /// What is estimated of the error patch by patch, W/m^2.
     pub fn patch_errors(&self, error: &ErrorByCause) -> Vec<f32> {
-        let [of_corners, _] = self.calibration.unwrap_or([1.0; 2]);
-        self.lit.patch_errors(error, of_corners)
+        self.lit.patch_errors(error)
     }
 }
 

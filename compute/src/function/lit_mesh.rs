@@ -11,12 +11,16 @@ use scene::{PatchId, Rgb, Scene, SceneError, Surface, SurfaceId};
 use super::checks::{self, Candidate, Check, Part};
 use super::direct::{self, Emitters, Spots};
 use super::gatherer::Light;
+use super::gradients::{self, Gradients};
 use super::means::{self, Means, mean_square};
 use super::{ErrorByCause, VISIBLE_FLOOR, reflectances};
 
 /// The fewest points at which a function is checked at a time, and their number as a share of the leaves beyond that.
 const FEWEST_CHECKS: usize = 320;
 const CHECKED: f64 = 0.02;
+
+/// The share of the squared difference of its corners that a leaf is taken to miss at least.
+const OF_CORNERS: f64 = 0.03;
 
 /// By what points are drawn: area, so that nothing is left out for good, and what is likely to be missed, by both targets, as
 /// corners tell, as spots do, and as what varies within the sources that are seen does.
@@ -203,19 +207,21 @@ impl<'s> LitMesh<'s> {
         size
     }
 
-    /// What each leaf is likely to miss, by target, as its corners tell: their largest difference, by area.
+    /// What each leaf is likely to miss, by target, by area: as gradients tell, and at least a share of its corners' largest
+    /// difference, since what passes between them may be as large.
     pub fn likely(&self, size: &Size) -> Vec<(NodeId, [f64; 2])> {
+        let gradients = Gradients::new(&self.mesh, |leaf| self.radiosities(leaf));
         let of_leaf = |leaf: NodeId| {
             let corners = self.radiosities(leaf);
-            let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
             let area = self.mesh.area(leaf);
-            let mut most = [0.0_f64; 2];
+            let missed = gradients::mean_square(gradients.missed_of_sides(leaf));
+            let mut most = size.weighed_square(missed, middle(corners));
             for k in 0..3 {
                 let difference = corners[k] - corners[(k + 1) % 3];
-                let weighed = size.weighed(difference, middle);
-                most = [0, 1].map(|t| most[t].max(area * weighed[t]));
+                let weighed = size.weighed(difference, middle(corners));
+                most = [0, 1].map(|t| most[t].max(OF_CORNERS * weighed[t]));
             }
-            (leaf, most)
+            (leaf, most.map(|weighed| area * weighed))
         };
         self.mesh.leaves().map(of_leaf).collect()
     }
@@ -262,7 +268,7 @@ impl<'s> LitMesh<'s> {
         let visible = visible.max(LEAST_VISIBLE);
         let area = self.mesh.area(leaf);
         let corners = self.radiosities(leaf);
-        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+        let middle = middle(corners);
         let of_part = |part: &direct::Part| {
             let surplus = visible * rho * part.surplus;
             size.weighed(surplus, middle + surplus)
@@ -278,7 +284,7 @@ impl<'s> LitMesh<'s> {
         let within = corners.map(|vertex| self.lights[vertex.0 as usize].within);
         let square = within.into_iter().sum::<f64>() / 3.0;
         let corners = self.radiosities(leaf);
-        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+        let middle = middle(corners);
         let difference = rho * (square / 3.0).sqrt();
         let area = self.mesh.area(leaf);
         size.weighed(difference, middle).map(|w| area * w)
@@ -344,9 +350,10 @@ impl<'s> LitMesh<'s> {
     }
 
     /// What is estimated of the error patch by patch, W/m^2, see [`IrradianceFunction::error`]: that of the mesh where it is likely
-    /// to miss something, that of all other causes where there is light. `of_corners` calibrates what corners tell.
-    pub fn patch_errors(&self, error: &ErrorByCause, of_corners: f64) -> Vec<f32> {
+    /// to miss something, as gradients tell and spots do, that of all other causes where there is light.
+    pub fn patch_errors(&self, error: &ErrorByCause) -> Vec<f32> {
         let size = self.size();
+        let gradients = Gradients::new(&self.mesh, |leaf| self.radiosities(leaf));
         let ErrorByCause {
             mesh,
             sources,
@@ -358,12 +365,15 @@ impl<'s> LitMesh<'s> {
         let others: f64 = others.iter().map(|cause| cause.power.powi(2)).sum();
         // The squares of both, integrated, where they are: first what is missed, then what is there.
         let mut of_patch = vec![[0.0; 2]; self.scene.patch_count() as usize];
-        for (leaf, [missed, _]) in self.likely(&size) {
+        for leaf in self.mesh.leaves() {
+            let missed = gradients::mean_square(gradients.missed_of_sides(leaf));
+            let [missed, _] = size.weighed_square(missed, DVec3::ZERO);
             let spots = self.spots.get(&leaf);
             let of_spots = spots.map(|spots| self.missed_of_spots(leaf, spots, &size));
             let [of_spots, _] = of_spots.into_iter().flatten().fold([0.0; 2], sum);
-            let missed = of_corners * missed + of_spots;
-            let there = self.mesh.area(leaf) * mean_square(self.radiosities(leaf));
+            let area = self.mesh.area(leaf);
+            let missed = area * missed + of_spots;
+            let there = area * mean_square(self.radiosities(leaf));
             let patches = self.patches_of(leaf);
             let share = 1.0 / patches.len() as f64;
             for patch in patches {
@@ -427,13 +437,16 @@ pub(super) struct Size {
 impl Size {
     /// A difference of radiosities as each target weighs it: squared, over what the target relates it to.
     pub fn weighed(&self, difference: DVec3, radiosity: DVec3) -> [f64; 2] {
-        let power = difference.length_squared() / self.square.max(f64::MIN_POSITIVE);
+        self.weighed_square(difference * difference, radiosity)
+    }
+
+    /// The same of its square, or of a mean of squares, channel by channel.
+    pub fn weighed_square(&self, square: DVec3, radiosity: DVec3) -> [f64; 2] {
+        let power = square.element_sum() / self.square.max(f64::MIN_POSITIVE);
         let floor = VISIBLE_FLOOR * self.mean;
-        let relative = difference / (radiosity.max(DVec3::ZERO) + floor.max(f64::MIN_POSITIVE));
-        [
-            power / self.area,
-            relative.length_squared() / 3.0 / self.area,
-        ]
+        let base = radiosity.max(DVec3::ZERO) + floor.max(f64::MIN_POSITIVE);
+        let relative = (square / base / base).element_sum();
+        [power / self.area, relative / 3.0 / self.area]
     }
 }
 
@@ -473,6 +486,11 @@ impl Ambient {
         // Where nothing is received or nothing absorbed there is nothing to go by.
         DVec3::select(share.abs().cmplt(DVec3::ONE), share, DVec3::ZERO)
     }
+}
+
+/// The value in the middle of a triangle.
+fn middle([a, b, c]: [DVec3; 3]) -> DVec3 {
+    (a + b + c) / 3.0
 }
 
 /// Of two targets.

@@ -38,6 +38,7 @@ mod carried;
 mod checks;
 mod direct;
 mod gatherer;
+mod gradients;
 mod growth;
 mod lit_mesh;
 mod means;
