@@ -1,11 +1,13 @@
 //! Who gathers: what places receive from solved sources.
 
+use std::f64::consts::SQRT_2;
 use std::ops::Range;
 
 use glam::DVec3;
 use rayon::prelude::*;
 use scene::function::IrradianceFunction;
 use scene::{Rgb, Scene};
+use visibility::hemicube::MAX_RESOLUTION;
 
 use super::means::Means;
 use super::second_look::{Reflected, SecondLook, Within};
@@ -16,7 +18,7 @@ use crate::cancel::CancelToken;
 use crate::problem::Problem;
 use crate::receivers::Receivers;
 use crate::rows::{BackendError, Entry, UNITS_PER_ONE};
-use crate::settings::FormFactorSettings;
+use crate::settings::{FormFactorSettings, Seed};
 use crate::sources::Sources;
 
 /// Places that look a second time between two questions whether to stop.
@@ -109,8 +111,8 @@ pub(super) struct Gatherer<'a, 'c> {
     radiosity: Vec<Rgb>,
     kept: Kept,
     most_kept_bytes: u64,
-    /// Once they are refined.
-    within: Option<Within>,
+    /// Once they are refined, and by hemicubes of how many pixels.
+    within: Option<(Within, u32)>,
     cancel: &'c CancelToken,
 }
 
@@ -155,11 +157,6 @@ impl<'a, 'c> Gatherer<'a, 'c> {
     /// From now on sources receive this, W/m^2, one per source.
     pub fn receive(&mut self, irradiance: &[Rgb]) {
         self.radiosity = radiosities(&self.problem, irradiance);
-    }
-
-    /// Whether sources are more than one value each.
-    pub fn is_refined(&self) -> bool {
-        self.within.is_some()
     }
 
     /// What some more places receive; `None` where it is cancelled.
@@ -272,11 +269,12 @@ impl<'a, 'c> Gatherer<'a, 'c> {
 
     /// What places see when they look a second time, where sources are within as they are `now`; `None` where it is cancelled.
     pub fn look_again(&self, now: &Within, places: &[Place]) -> Option<Vec<Look>> {
-        let resolution = self.settings.resolution;
-        let reflected = self.reflected();
-        let now = self.look(now, &reflected, places, resolution)?;
+        let FormFactorSettings {
+            resolution, seed, ..
+        } = self.settings;
+        let now = self.look(now, places, resolution, seed)?;
         let before = match &self.within {
-            Some(within) => self.look(within, &reflected, places, resolution)?,
+            Some((within, _)) => self.look(within, places, resolution, seed)?,
             None => vec![Reflected::default(); places.len()],
         };
         let looks = now.into_iter().zip(before);
@@ -287,9 +285,10 @@ impl<'a, 'c> Gatherer<'a, 'c> {
         Some(looks.map(look).collect())
     }
 
-    /// From now on sources are within as they are `now`; tells what kept places receive. `None` where it is cancelled.
-    pub fn refine(&mut self, now: Within) -> Option<&[Light]> {
-        self.within = Some(now);
+    /// From now on sources are within as they are `now`, as hemicubes of so many pixels tell; tells what kept places receive. `None`
+    /// where it is cancelled.
+    pub fn refine(&mut self, now: Within, resolution: u32) -> Option<&[Light]> {
+        self.within = Some((now, resolution));
         let corrections = self.corrections(&self.kept.places)?;
         for (light, correction) in self.kept.lights.iter_mut().zip(corrections) {
             light.correction = correction;
@@ -299,11 +298,30 @@ impl<'a, 'c> Gatherer<'a, 'c> {
 
     /// How much more light places receive that sources are not one value each, W/m^2; `None` where it is cancelled.
     fn corrections(&self, places: &[Place]) -> Option<Vec<DVec3>> {
-        let Some(within) = &self.within else {
+        let Some((within, resolution)) = &self.within else {
             return Some(vec![DVec3::ZERO; places.len()]);
         };
-        let looks = self.look(within, &self.reflected(), places, self.coarser())?;
+        let looks = self.look(within, places, *resolution, self.settings.seed)?;
         Some(looks.into_iter().map(|look| look.within).collect())
+    }
+
+    /// What pixels bring to such corrections by hemicubes of so many of them, W/m^2; `None` where it is cancelled.
+    pub fn noise_of_corrections(
+        &self,
+        within: &Within,
+        places: &[Place],
+        resolution: u32,
+    ) -> Option<Vec<DVec3>> {
+        let seed = self.settings.seed;
+        let looks = self.look(within, places, resolution, seed)?;
+        let others = self.look(within, places, resolution, seed.otherwise())?;
+        let both = looks.into_iter().zip(others);
+        Some(both.map(|(a, b)| (a.within - b.within) / SQRT_2).collect())
+    }
+
+    /// The most pixels along a hemicube's face that corrections are worth.
+    pub fn finest(&self) -> u32 {
+        (2 * self.settings.resolution).min(MAX_RESOLUTION)
     }
 
     /// What sources are like within by a function of which they have these means.
@@ -335,8 +353,8 @@ impl<'a, 'c> Gatherer<'a, 'c> {
         radiosity.map(|(&b, &e)| b - e).collect()
     }
 
-    /// The resolution that does for differences that share their pixels: half of it, but not below [`FEWEST_PIXELS`].
-    fn coarser(&self) -> u32 {
+    /// The resolution that mostly does for differences that share their pixels: half of it, but not below [`FEWEST_PIXELS`].
+    pub fn coarser(&self) -> u32 {
         let resolution = self.settings.resolution;
         let half = (resolution / 2).next_multiple_of(2);
         half.max(FEWEST_PIXELS).min(resolution)
@@ -346,17 +364,16 @@ impl<'a, 'c> Gatherer<'a, 'c> {
     fn look(
         &self,
         within: &Within,
-        reflected: &[Rgb],
         places: &[Place],
         resolution: u32,
+        seed: Seed,
     ) -> Option<Vec<Reflected>> {
-        let FormFactorSettings { maps, seed, .. } = self.settings;
         let look = SecondLook {
             drawable: self.sources.drawable(),
             resolution,
-            maps,
+            maps: self.settings.maps,
             seed,
-            reflected,
+            reflected: &self.reflected(),
             within,
         };
         let mut all = Vec::with_capacity(places.len());

@@ -7,7 +7,7 @@ use scene::function::NodeId;
 use scene::{Rgb, SurfaceId};
 
 use super::checks::{Check, Part, Sample};
-use super::gatherer::Light;
+use super::gatherer::{Light, Look};
 use super::lit_mesh::{Ambient, LitMesh, sum};
 use super::{ErrorByCause, Errors};
 use crate::settings::Target;
@@ -33,6 +33,9 @@ const LEAST_ROOM: f64 = 0.1;
 /// The share of what is asked of all causes together, squared, that the size of sources may take before they are refined.
 const SOURCES_SHARE: f64 = 0.2;
 
+/// The share of what the size of sources brings, squared, that the noise of corrections for it may bring instead.
+const WORTH: f64 = 0.5;
+
 /// A mesh is better if its squared error is below this share of the least so far, and if after so many checks and with so many times
 /// as many vertices it is not, it will not become better.
 const BETTER: f64 = 0.9;
@@ -51,6 +54,8 @@ pub(super) struct Growth<'s> {
     calibration: Option<[f64; 2]>,
     /// What pixels bring to a point, squared, power then visible, as the last second look says.
     noise: [f64; 2],
+    /// The same of what corrects for the size of sources.
+    noise_of_corrections: [f64; 2],
     /// How many vertices there were when it was checked last.
     checked_at: u32,
     /// How often it was.
@@ -71,6 +76,7 @@ impl<'s> Growth<'s> {
             found: Vec::new(),
             calibration: None,
             noise: [0.0; 2],
+            noise_of_corrections: [0.0; 2],
             checked_at: 0,
             round: 0,
             least: ([f64::INFINITY; 2], 0),
@@ -131,6 +137,7 @@ impl<'s> Growth<'s> {
     /// What a sample says of the function, whose solution's iteration has this error.
     pub fn judge(&mut self, sample: &Sample, iterations: Errors) -> ErrorByCause {
         let [sources, pixels] = causes(&self.lit, sample);
+        let pixels = sum(pixels, self.noise_of_corrections);
         self.noise = pixels;
         ErrorByCause {
             mesh: self.compare(sample),
@@ -222,6 +229,42 @@ impl<'s> Growth<'s> {
         !is_below(error.sources, share)
     }
 
+    /// What this comes to that corrections are off by at places that look a second time, squared, power then visible.
+    pub fn noise_of(&self, sample: &Sample, corrections: &[DVec3]) -> [f64; 2] {
+        let size = self.lit.size();
+        let for_others = sample.checks.len() as f64 / sample.looks.len().max(1) as f64;
+        let places = sample.looks.iter().zip(corrections);
+        let of_place = |(&(k, _), &correction): (&(usize, Look), &DVec3)| {
+            let check = &sample.checks[k];
+            let rho = self.lit.reflectance(check);
+            let gathered = rho * sample.lights[k].irradiance();
+            size.weighed(rho * correction, gathered)
+                .map(|weighed| for_others * check.area * weighed)
+        };
+        places.map(of_place).fold([0.0; 2], sum)
+    }
+
+    /// Whether vertices may have such a noise, squared, of corrections that make the size of sources bring nothing: where it hardly
+    /// counts, and where it counts less than what they bring.
+    pub fn hardly_counts(&self, noise: [f64; 2]) -> bool {
+        let target = self.target_squared();
+        (0..2).all(|t| VERTEX_NOISE * noise[t] <= SOURCES_SHARE * target[t])
+    }
+
+    /// As above.
+    pub fn is_worth(&self, noise: [f64; 2], error: &ErrorByCause) -> bool {
+        let target = self.target_squared();
+        let sources = squares(&error.sources);
+        let least = |t: usize| (WORTH * sources[t]).max(SOURCES_SHARE * target[t]);
+        (0..2).all(|t| VERTEX_NOISE * noise[t] <= least(t))
+    }
+
+    /// From now on what sources bring is corrected, with this noise.
+    pub fn is_corrected(&mut self, noise: [f64; 2]) {
+        self.noise_of_corrections = noise;
+        self.start_again();
+    }
+
     /// Gives all vertices another light.
     pub fn renew(&mut self, lights: &[Light]) {
         self.lit.renew(lights);
@@ -233,7 +276,7 @@ impl<'s> Growth<'s> {
     }
 
     /// Forgets what checks have said of other light.
-    pub fn start_again(&mut self) {
+    fn start_again(&mut self) {
         self.least = ([f64::INFINITY; 2], 0);
         self.since = 0;
         self.calibration = None;

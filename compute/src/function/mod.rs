@@ -184,6 +184,7 @@ pub fn gather<'a>(
         tell,
         patches: sources.prolonged(irradiance),
         gathering,
+        are_sources_final: false,
     };
     let Some((function, report)) = making.run()? else {
         return Ok(None);
@@ -207,6 +208,8 @@ struct Making<'m, 'a> {
     patches: Vec<Rgb>,
     /// Those that have gathered themselves, before all vertices.
     gathering: Vec<PatchId>,
+    /// Whether no more is to be done about the size of sources.
+    are_sources_final: bool,
 }
 
 impl Making<'_, '_> {
@@ -254,18 +257,15 @@ impl Making<'_, '_> {
                     error = self.growth.judge(&sample, iterations);
                 }
                 known = Some(error.total).filter(|_| self.order.iterations.is_some());
-                let can_refine = !is_last && !self.gatherer.is_refined();
+                let can_refine = !is_last && !self.are_sources_final;
                 self.growth.ask(&error, can_refine);
                 if can_refine
                     && self.growth.wants_finer_sources(&error)
                     && self.growth.is_enough(error.mesh)
                 {
-                    let Some(lights) = self.gatherer.refine(within) else {
+                    if !self.refine_sources(within, &sample, &error) {
                         return Ok(None);
-                    };
-                    let lights = lights.to_vec();
-                    self.renew(&lights);
-                    self.growth.start_again();
+                    }
                     continue;
                 }
                 if let Some(end) = self.end(&error, is_late, can_grow) {
@@ -276,6 +276,37 @@ impl Making<'_, '_> {
             can_grow = self.growth.grow();
             next = start.elapsed().mul_f64(NEXT_ROUND);
         }
+    }
+
+    /// Lets sources be within as they are from now on, if hemicubes tell that which are not too dear: what is bright and small, as the
+    /// ceiling over a lamp that shines up, is a pixel or none of coarse ones. False where it is cancelled.
+    fn refine_sources(&mut self, within: Within, sample: &Sample, error: &ErrorByCause) -> bool {
+        self.are_sources_final = true;
+        let looks = sample.looks.iter();
+        let places: Vec<Place> = looks.map(|&(k, _)| sample.checks[k].place).collect();
+        let mut resolution = self.gatherer.coarser();
+        let noise = loop {
+            let noise = self
+                .gatherer
+                .noise_of_corrections(&within, &places, resolution);
+            let Some(noise) = noise else {
+                return false;
+            };
+            let noise = self.growth.noise_of(sample, &noise);
+            if self.growth.hardly_counts(noise) || resolution >= self.gatherer.finest() {
+                break noise;
+            }
+            resolution = (2 * resolution).min(self.gatherer.finest());
+        };
+        if self.growth.is_worth(noise, error) {
+            let Some(lights) = self.gatherer.refine(within, resolution) else {
+                return false;
+            };
+            let lights = lights.to_vec();
+            self.renew(&lights);
+            self.growth.is_corrected(noise);
+        }
+        true
     }
 
     /// Why it is to end now, if it is.

@@ -241,7 +241,8 @@ impl Taking<'_, '_> {
             patch.irradiance += look.by_function;
         }
         self.refined += 1;
-        Ok(self.gatherer.refine(within).is_some())
+        let resolution = self.gatherer.coarser();
+        Ok(self.gatherer.refine(within, resolution).is_some())
     }
 
     /// Solves the equation with what patches receive besides their rows; false where it is cancelled.

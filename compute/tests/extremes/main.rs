@@ -11,6 +11,7 @@ mod reflectance;
 mod scale;
 mod shapes;
 mod sizes;
+mod stated;
 mod threads;
 
 use std::sync::Arc;
