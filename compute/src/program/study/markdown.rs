@@ -29,7 +29,7 @@ faster run of the scene is below. What is stated is the run's own estimate.
 - **A baker of light**: `--quality high`. The patches are no matter, so leave the model's mesh as it is; look at
   `display --quantity error` for what is left.
 - **An engineer**: `--target-error` with what the report has to keep, and the last line of the run in it; for form factors
-  `--view-factors`, whose accuracy `compute verify` shows.
+  `--view-factors FILE.csv --iterations 0 --target-error 0.1%`, whose last line is about them.
 ";
 
 /// What the thesis left open, and the runs that tell.
