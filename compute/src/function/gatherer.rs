@@ -7,7 +7,6 @@ use glam::DVec3;
 use rayon::prelude::*;
 use scene::function::IrradianceFunction;
 use scene::{Rgb, Scene};
-use visibility::hemicube::MAX_RESOLUTION;
 
 use super::means::Means;
 use super::second_look::{Reflected, SecondLook, Within};
@@ -26,6 +25,9 @@ const BATCH: usize = 1 << 12;
 
 /// Pixels along a hemicube's face below which differences are noise themselves.
 const FEWEST_PIXELS: u32 = 16;
+
+/// The most pixels that corrections take where half of the resolution are fewer.
+const MOST_PIXELS: u32 = 64;
 
 /// The most by which what varies within a source is scaled to what it reflects.
 const MOST_SCALED: f32 = 2.0;
@@ -319,9 +321,10 @@ impl<'a, 'c> Gatherer<'a, 'c> {
         Some(both.map(|(a, b)| (a.within - b.within) / SQRT_2).collect())
     }
 
-    /// The most pixels along a hemicube's face that corrections are worth.
+    /// The most pixels along a hemicube's face that corrections are worth, which take several times as long as rows.
     pub fn finest(&self) -> u32 {
-        (2 * self.settings.resolution).min(MAX_RESOLUTION)
+        let finer = (2 * self.settings.resolution).min(MOST_PIXELS);
+        finer.max(self.coarser())
     }
 
     /// What sources are like within by a function of which they have these means.
