@@ -87,6 +87,9 @@ const CONFIRMATIONS: u32 = 2;
 /// How much longer the next round is taken to be than the last one, when time is short.
 const NEXT_ROUND: f64 = 1.5;
 
+/// What goes with the error that was asked for, see [`Target::in_pictures`], is sought with so many times as many vertices as that took.
+const MOST_FOR_PICTURES: u32 = 2;
+
 /// One point in so many looks a second time.
 const LOOK_EVERY: usize = 4;
 
@@ -185,6 +188,7 @@ pub fn gather<'a>(
         patches: sources.prolonged(irradiance),
         gathering,
         are_sources_final: false,
+        reached_at: u32::MAX,
     };
     let Some((function, report)) = making.run()? else {
         return Ok(None);
@@ -210,6 +214,8 @@ struct Making<'m, 'a> {
     gathering: Vec<PatchId>,
     /// Whether no more is to be done about the size of sources.
     are_sources_final: bool,
+    /// With how many vertices what was asked for was reached first.
+    reached_at: u32,
 }
 
 impl Making<'_, '_> {
@@ -311,8 +317,14 @@ impl Making<'_, '_> {
 
     /// Why it is to end now, if it is.
     fn end(&mut self, error: &ErrorByCause, is_late: bool, can_grow: bool) -> Option<FunctionEnd> {
+        let vertices = self.growth.lit().mesh().vertex_count();
+        let is_reached = self.is_reached(error);
+        if is_reached {
+            self.reached_at = self.reached_at.min(vertices);
+        }
+        let has_enough = is_reached && vertices / MOST_FOR_PICTURES >= self.reached_at;
         let growth = &mut self.growth;
-        let end = if growth.is_reached(error.total) {
+        let end = if growth.is_reached(error.total) || has_enough {
             FunctionEnd::Error
         } else if growth.is_full() {
             FunctionEnd::Vertices
@@ -324,7 +336,6 @@ impl Making<'_, '_> {
             return None;
         };
         // What goes with it may be beyond reach.
-        let is_reached = self.is_reached(error);
         Some(if is_reached { FunctionEnd::Error } else { end })
     }
 
