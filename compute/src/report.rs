@@ -53,6 +53,10 @@ pub struct Report {
     pub iterations_before: u64,
     /// Share of the next iteration that is done, and kept for a run that goes on, 0 to 1.
     pub next_iteration_share: f64,
+    /// Where the first iteration has not ended: the shots of the brightest patches whose light the result has to be seen, and from
+    /// which no iteration goes on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub start_up_shots: Option<u64>,
     /// Relative residual after each iteration that was done with these settings, dimensionless.
     pub residuals: Vec<f64>,
     /// What they tell of the way that is left; null where there are too few of them.
@@ -180,6 +184,7 @@ impl Report {
             iterations: solution.provenance.iterations,
             iterations_before: solved.iterations_before,
             next_iteration_share: solution.next_iteration_share(),
+            start_up_shots: Some(solution.provenance.start_up_shots).filter(|&shots| shots > 0),
             residuals: solution.provenance.residuals.clone(),
             convergence: solved.convergence,
             ambient_radiosity: solved.ambient_radiosity,
@@ -308,26 +313,17 @@ impl Report {
                 closure.min, closure.max, closure.mean
             ));
         }
-        if let Some(sources) = self.sources {
-            let error = sources.estimated_error.map_or_else(String::new, |error| {
-                format!(", which brings an error of about {:.2} %", 100.0 * error)
-            });
-            let gathered = sources.gathered_share.map_or_else(String::new, |share| {
-                format!(
-                    "; {:.1} % of the patches have gathered from them",
-                    100.0 * share
-                )
-            });
-            lines.push(format!(
-                "sources        {} of at most {:.3} m^2{error}{gathered}",
-                sources.count, sources.max_area,
-            ));
-        }
+        lines.extend(self.sources.map(sources_line));
         lines.push(format!("certificate    {}", self.certificate.summary()));
         let residual = self
             .residuals
             .last()
             .map_or_else(|| "none".to_owned(), |residual| format!("{residual:.2e}"));
+        if let Some(shots) = self.start_up_shots {
+            lines.push(format!(
+                "start-up       {shots} shots, to be seen until the first iteration ends"
+            ));
+        }
         let share = 100.0 * self.next_iteration_share;
         let next = if share > 0.0 {
             format!(" and {share:.1} % of the next")
@@ -357,6 +353,23 @@ impl Report {
         }
         lines.join("\n")
     }
+}
+
+/// What was solved among, where it is coarser than the patches.
+fn sources_line(sources: SourcesReport) -> String {
+    let error = sources.estimated_error.map_or_else(String::new, |error| {
+        format!(", which brings an error of about {:.2} %", 100.0 * error)
+    });
+    let gathered = sources.gathered_share.map_or_else(String::new, |share| {
+        format!(
+            "; {:.1} % of the patches have gathered from them",
+            100.0 * share
+        )
+    });
+    format!(
+        "sources        {} of at most {:.3} m^2{error}{gathered}",
+        sources.count, sources.max_area,
+    )
 }
 
 fn duration(seconds: f64) -> Duration {

@@ -23,6 +23,15 @@ pub struct Provenance {
     pub residuals: Vec<f64>,
     /// Among what the irradiances were solved.
     pub level: Level,
+    /// Where the first iteration has not ended: the irradiances are what so many shots of the brightest patches brought, for the eye
+    /// alone. A solver goes on from darkness.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub start_up_shots: u64,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands references")]
+fn is_zero(number: &u64) -> bool {
+    *number == 0
 }
 
 /// Where a solution stands between levels: coarser sources, nodes of the surfaces' bisection trees, may be solved

@@ -145,6 +145,7 @@ fn any_solution(scene: &Scene) -> impl Strategy<Value = Solution> + use<> {
                     iterations,
                     residuals,
                     level,
+                    start_up_shots: iterations / 2,
                 },
                 state,
                 function,

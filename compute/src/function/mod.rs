@@ -159,9 +159,16 @@ pub struct Gathered {
     pub irradiance: Vec<Rgb>,
 }
 
+impl Gathered {
+    /// Whether somebody stopped it.
+    pub fn is_interrupted(&self) -> bool {
+        self.report.stopped_by == FunctionEnd::Interrupt
+    }
+}
+
 /// Gathers the function of a solution among `sources`, with as many vertices as the target asks for, or as there is time for.
 /// `irradiance` is what sources receive, W/m^2. Now and then it is told how many vertices there are, and the estimated error, once it
-/// is known. `None` where it is cancelled.
+/// is known. Where it is cancelled, it is the last one whose error is known; `None` where there is none yet.
 ///
 /// # Errors
 /// A back end that does not open or cannot go on, and values that no f32 holds.
@@ -189,8 +196,9 @@ pub fn gather<'a>(
         gathering,
         are_sources_final: false,
         reached_at: u32::MAX,
+        judged: None,
     };
-    let Some((function, report)) = making.run()? else {
+    let Some((function, report)) = making.run()?.or_else(|| making.interrupted()) else {
         return Ok(None);
     };
     Ok(Some(Gathered {
@@ -216,6 +224,8 @@ struct Making<'m, 'a> {
     are_sources_final: bool,
     /// With how many vertices what was asked for was reached first.
     reached_at: u32,
+    /// The last function of which the error is known, that error, and at how many points.
+    judged: Option<(IrradianceFunction, ErrorByCause, u32)>,
 }
 
 impl Making<'_, '_> {
@@ -226,7 +236,6 @@ impl Making<'_, '_> {
         self.light_patches(&lights);
         let iterations = Errors::splat(self.order.iterations.unwrap_or(0.0));
         let mut can_grow = true;
-        let mut known = None;
         // What the next round is likely to take.
         let mut next = Duration::ZERO;
         loop {
@@ -239,7 +248,7 @@ impl Making<'_, '_> {
                 return Ok(None);
             };
             self.growth.take(lights);
-            (self.tell)(self.growth.lit().mesh().vertex_count(), known);
+            self.tell();
             let is_late = (self.order.is_late)(next);
             let is_last = self.growth.is_full() || is_late || !can_grow;
             if is_last || self.growth.wants_checks() {
@@ -262,7 +271,8 @@ impl Making<'_, '_> {
                     sample = others;
                     error = self.growth.judge(&sample, iterations);
                 }
-                known = Some(error.total).filter(|_| self.order.iterations.is_some());
+                let checks = sample.checks.len() as u32;
+                self.judged = Some((function, error, checks));
                 let can_refine = !is_last && !self.are_sources_final;
                 self.growth.ask(&error, can_refine);
                 if can_refine
@@ -275,13 +285,20 @@ impl Making<'_, '_> {
                     continue;
                 }
                 if let Some(end) = self.end(&error, is_late, can_grow) {
-                    let checks = sample.checks.len() as u32;
-                    return Ok(Some(self.finished(function, &error, checks, end)?));
+                    return Ok(self.finished(end)?);
                 }
             }
             can_grow = self.growth.grow();
             next = start.elapsed().mul_f64(NEXT_ROUND);
         }
+    }
+
+    /// Tells how many vertices there are, and what error was known last.
+    fn tell(&mut self) {
+        let judged = self.judged.as_ref();
+        let known = judged.filter(|_| self.order.iterations.is_some());
+        let vertices = self.growth.lit().mesh().vertex_count();
+        (self.tell)(vertices, known.map(|(_, error, _)| error.total));
     }
 
     /// Lets sources be within as they are from now on, if hemicubes tell that which are not too dear: what is bright and small, as the
@@ -346,18 +363,40 @@ impl Making<'_, '_> {
 
     /// The function with the estimates of its error, and what is said of it.
     fn finished(
+        &mut self,
+        stopped_by: FunctionEnd,
+    ) -> Result<Option<(IrradianceFunction, FunctionReport)>, SceneError> {
+        let Some((function, error, checks)) = self.judged.take() else {
+            return Ok(None);
+        };
+        let patch_errors = self.growth.patch_errors(&error);
+        let mostly_on = report::worst_object(self.scene, &patch_errors);
+        let report = FunctionReport {
+            mostly_on,
+            ..self.report(&function, &error, checks, stopped_by)
+        };
+        Ok(Some((function.with_error(patch_errors)?, report)))
+    }
+
+    /// What there is where it is cancelled. The mesh has grown since, so that nobody knows any more which patches its error was of.
+    fn interrupted(&mut self) -> Option<(IrradianceFunction, FunctionReport)> {
+        let (function, error, checks) = self.judged.take()?;
+        let report = self.report(&function, &error, checks, FunctionEnd::Interrupt);
+        Some((function, report))
+    }
+
+    fn report(
         &self,
-        function: IrradianceFunction,
+        function: &IrradianceFunction,
         error: &ErrorByCause,
         checks: u32,
         stopped_by: FunctionEnd,
-    ) -> Result<(IrradianceFunction, FunctionReport), SceneError> {
-        let patch_errors = self.growth.patch_errors(error);
+    ) -> FunctionReport {
         let is_known = checks > 0 && self.order.iterations.is_some();
-        let mesh = self.growth.lit().mesh();
-        let report = FunctionReport {
+        let mesh = function.mesh();
+        FunctionReport {
             vertices: mesh.vertex_count(),
-            triangles: mesh.leaves().count() as u32,
+            triangles: mesh.leaf_count(),
             covered: self.growth.lit().area() / self.scene.area(),
             checks,
             points: None,
@@ -365,9 +404,8 @@ impl Making<'_, '_> {
             is_reached: is_known && self.is_reached(error),
             stopped_by,
             mostly_by: is_known.then(|| error.worst(&self.order.target)),
-            mostly_on: report::worst_object(self.scene, &patch_errors),
-        };
-        Ok((function.with_error(patch_errors)?, report))
+            mostly_on: None,
+        }
     }
 
     /// What is found in so many rounds of checks, where sources are within as they are now; `None` where it is cancelled.

@@ -64,6 +64,8 @@ pub enum FunctionEnd {
     Vertices,
     /// The time was over.
     TimeLimit,
+    /// Somebody stopped it: it is as it was when its error was measured last.
+    Interrupt,
     /// More of them would not bring it there.
     OtherCauses,
 }
@@ -189,6 +191,7 @@ impl FunctionReport {
                 "; more than was asked for, which takes more vertices than there may be"
             }
             FunctionEnd::TimeLimit => "; more than was asked for, stopped by --time-limit",
+            FunctionEnd::Interrupt => "; interrupted before it was what was asked for",
             FunctionEnd::OtherCauses => {
                 "; more than was asked for, and more of them would not help"
             }

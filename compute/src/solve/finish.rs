@@ -76,6 +76,12 @@ impl<'a> Run<'a, '_> {
                     solution.state = State::AtRest;
                     function = Some(means.report);
                 }
+                // A run that goes on gathers anew from the irradiances as they were solved.
+                Ok(Some(Refined::Function(gathered))) if gathered.is_interrupted() => {
+                    solution.function = Some(gathered.function);
+                    function = Some(gathered.report);
+                    stopped_by = StoppedBy::Interrupt;
+                }
                 Ok(Some(Refined::Function(gathered))) => {
                     solution.irradiance = gathered.irradiance;
                     solution.state = State::AtRest;

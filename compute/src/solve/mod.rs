@@ -30,7 +30,7 @@ use crate::row_file::{RowFileRemark, RowFiles};
 use crate::rows::BackendError;
 use crate::settings::{Points, SolveSettings, SolverChoice};
 use crate::solver::convergence::Convergence;
-use crate::solver::{Gather, Shoot, Solver, Update};
+use crate::solver::{Gather, Shoot, Solver, StartUp, Update};
 use crate::sources::Sources;
 use iterate::Goal;
 use levels::Next;
@@ -438,11 +438,18 @@ impl<'a> Run<'a, '_> {
 
     /// A solver among the patches of a scene that goes on from `start`.
     fn solver<'s>(&self, scene: &'s Scene, start: Solution) -> Box<dyn Solver + 's> {
-        let problem = Problem::new(scene);
-        match self.settings.solution.solver {
-            SolverChoice::Jacobi => Box::new(Gather::new(problem, Update::AfterIteration, start)),
-            SolverChoice::GaussSeidel => Box::new(Gather::new(problem, Update::AtOnce, start)),
-            SolverChoice::Shooting => Box::new(Shoot::new(problem, start)),
+        let update = match self.settings.solution.solver {
+            SolverChoice::Jacobi => Update::AfterIteration,
+            SolverChoice::GaussSeidel => Update::AtOnce,
+            SolverChoice::Shooting => return Box::new(Shoot::new(Problem::new(scene), start)),
+        };
+        let is_dark = start.irradiance.iter().all(|&h| h == Rgb::ZERO);
+        let is_first = is_dark && start.provenance.iterations == 0;
+        let gather = Gather::new(Problem::new(scene), update, start);
+        if is_first {
+            Box::new(StartUp::new(gather, Problem::new(scene)))
+        } else {
+            Box::new(gather)
         }
     }
 }

@@ -20,6 +20,9 @@ impl Run<'_, '_> {
             },
             ..Solution::dark(scene)
         });
+        if std::mem::take(&mut start.provenance.start_up_shots) > 0 {
+            start.irradiance = Solution::dark(scene).irradiance;
+        }
         if let Some(otherwise) = otherwise(start.provenance.settings.as_ref(), &now) {
             self.observer.remark(&Remark::Start(otherwise));
             start = Solution {

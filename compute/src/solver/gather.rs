@@ -106,6 +106,11 @@ impl Gather {
         Self { besides, ..self }
     }
 
+    /// Share of the iteration that is done, 0 to 1.
+    pub(super) fn share_done(&self) -> f64 {
+        self.next.len() as f64 / self.problem.patch_count() as f64
+    }
+
     /// Makes the radiosities of the blocks that have been gathered, from that of patch `from` on, known.
     fn use_blocks(&mut self, from: usize) {
         let end = self.next.len() / self.block * self.block;
@@ -164,7 +169,7 @@ impl Solver for Gather {
             self.gather(&batches, end.min((from / self.block + 1) * self.block));
             self.use_blocks(from);
         }
-        let share_done = self.next.len() as f64 / self.problem.patch_count() as f64;
+        let share_done = self.share_done();
         let ends_iteration = self.next.len() == self.problem.patch_count();
         if ends_iteration {
             self.finish_iteration();

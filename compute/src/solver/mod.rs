@@ -6,11 +6,13 @@
 pub mod convergence;
 mod gather;
 mod shoot;
+mod start_up;
 
 use scene::Solution;
 
 pub use gather::{Gather, Update};
 pub use shoot::{Shoot, ambient_radiosity};
+pub use start_up::StartUp;
 
 use crate::row_cache::RowCache;
 use crate::rows::BackendError;

@@ -112,6 +112,12 @@ impl VertexMesh {
         self.vertices.len() as u32
     }
 
+    /// How many leaves there are.
+    pub fn leaf_count(&self) -> u32 {
+        let leaves = self.nodes.iter().filter(|node| node.child == 0);
+        leaves.count() as u32
+    }
+
     /// The node of a surface, if it has one.
     fn root(&self, surface: SurfaceId) -> Option<&Node> {
         let root = self.roots[surface.index()];

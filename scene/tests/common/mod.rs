@@ -71,6 +71,7 @@ pub fn small_solution(scene: &Scene) -> Solution {
             )),
             iterations: 2,
             residuals: vec![0.1, 1.0 / 3.0],
+            start_up_shots: 3,
             level: Level::Gathering {
                 max_area: 0.1,
                 gathered: small_values(scene, 3.0)[..4].to_vec(),
