@@ -8,9 +8,9 @@ use glam::DVec3;
 
 use scene::Axis;
 
-use crate::settings::{
-    ExportFormat, ImageFormat, Mode, Quantity, Range, RenderSettings, Settings, Size,
-};
+use crate::quantity::{Channel, Quantity, Shown};
+use crate::settings::{ExportFormat, ImageFormat, Mode, Range, RenderSettings, Settings, Size};
+use crate::table::Rows;
 
 /// Shows a scene or its solution: pictures and exports, without a graphics card.
 ///
@@ -18,6 +18,7 @@ use crate::settings::{
 /// to standard error.
 #[derive(Debug, Parser)]
 #[command(name = "display", version, arg_required_else_help = true, after_help = EXAMPLES)]
+#[expect(clippy::struct_excessive_bools, reason = "switches of a command line")]
 struct Args {
     /// The scene, with or without a solution
     file: PathBuf,
@@ -29,9 +30,17 @@ struct Args {
     /// How values become colours [default: log, of errors false-color]
     #[arg(long)]
     mode: Option<ModeArg>,
-    /// Which values are shown, all in W/m^2; error is what compute estimates that of the radiosity to be, patch by patch
+    /// Which values are shown, in W/m^2: the radiosity (light that leaves), the radiance (the same as a camera measures it, in
+    /// W/(m^2 sr)), the irradiance (light that arrives) or its direct and indirect part, the emission, the reflectance
+    /// (dimensionless), or the error, patch by patch, that compute estimates
     #[arg(long, default_value = "radiosity")]
     quantity: QuantityArg,
+    /// Show one channel, or the luminance, as a grey [default: all, in colour]
+    #[arg(long)]
+    channel: Option<ChannelArg>,
+    /// In lumens instead of watts: irradiance in lx, radiance in cd/m^2, by 179 lm/W and the luminance of BT.709 [default: watts]
+    #[arg(long)]
+    luminous: bool,
     /// Interpolate between patches, but not over creases or between materials, where the file has no light between
     /// them [default: each patch in one colour]
     #[arg(long)]
@@ -60,10 +69,28 @@ struct Args {
     /// The axis that points up in the picture [default: guessed from the scene]
     #[arg(long)]
     up: Option<AxisArg>,
-    /// Luminances at the ends of the scale, W/m^2 [default: chosen by the
-    /// patches that do not emit]
-    #[arg(long, value_name = "LO:HI", value_parser = range, allow_hyphen_values = true)]
-    range: Option<Range>,
+    /// Luminances at the ends of the scale, in the unit of what is shown, or a file whose range is taken, for a series of
+    /// pictures [default: chosen by what does not emit]
+    #[arg(long, value_name = "LO:HI|FILE", value_parser = range, allow_hyphen_values = true)]
+    range: Option<RangeArg>,
+    /// Draw lines where luminances have these values, in the unit of what is shown [default: none]
+    #[arg(
+        long,
+        value_name = "A,B,...",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
+    contours: Vec<f64>,
+    /// Show in --mode ids each ID as R = ID >> 16, G = ID >> 8, B = ID [default: in a colour that tells it from others]
+    #[arg(long)]
+    raw: bool,
+    /// Let the picture be transparent where there is no surface [default: it is black there]
+    #[arg(long)]
+    transparent: bool,
+    /// Print a table: of each object or material the area, the least, mean and largest value, and the power that it receives and
+    /// emits [default: no table]
+    #[arg(long, value_name = "WHAT")]
+    by: Option<ByArg>,
     /// Write the patches: .ply and .glb with the picture's colours, .obj and its .mtl, or .csv with all
     /// values [default: no export]
     #[arg(long, value_name = "FILE.ply|.glb|.obj|.csv", value_parser = export_path)]
@@ -78,9 +105,14 @@ Examples:
                                                          what light meters would show, with a legend
   display solved.rad --out view.png --eye 1,1.7,4 --look-at 0,1,0 --fov 50
   display solved.rad --out outside.png --cull-back       into a closed room from outside
-  display scene.rad c --out ids.png                      the patches, as the solver sees them
+  display solved.rad --out lux.png --mode false-color --quantity irradiance --luminous --contours 100,200,300
+                                                         illuminance, with lines
+  display solved.rad --by object --quantity irradiance   a table of what walls receive
+  display after2.rad --out after2.png --range solved.rad
+                                                         as bright as a picture of the other file
+  display scene.rad c --out ids.png                      the patches, each in a colour of its own
   display solved.rad --export values.csv                 all numbers, one row a patch
-Lengths are in the unit of the model's coordinates; values are in W/m^2, linear RGB.
+Lengths are in the unit of the model's coordinates; values are in W/m^2, linear RGB. Watts of a whole are the mean of the channels.
 Exit codes: 0 done, 1 failed, 2 wrong usage.";
 
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
@@ -92,6 +124,7 @@ enum Style {
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 enum ModeArg {
     Log,
+    Filmic,
     Linear,
     FalseColor,
     Ids,
@@ -100,8 +133,33 @@ enum ModeArg {
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum QuantityArg {
     Radiosity,
+    Radiance,
     Irradiance,
+    Direct,
+    Indirect,
+    Emission,
+    Reflectance,
     Error,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum ChannelArg {
+    Red,
+    Green,
+    Blue,
+    Luminance,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum ByArg {
+    Object,
+    Material,
+}
+
+#[derive(Clone, Debug)]
+enum RangeArg {
+    Ends(Range),
+    Of(PathBuf),
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -146,22 +204,51 @@ impl Args {
             (_, None) if matches!(self.quantity, QuantityArg::Error) => ModeArg::FalseColor,
             (_, None) => ModeArg::Log,
         };
+        let (range, range_of) = match self.range {
+            Some(RangeArg::Ends(range)) => (Some(range), None),
+            Some(RangeArg::Of(file)) => (None, Some(file)),
+            None => (None, None),
+        };
         Ok(Settings {
             input: self.file,
             out: self.out,
             export: self.export,
+            table: self.by.map(|by| match by {
+                ByArg::Object => Rows::Objects,
+                ByArg::Material => Rows::Materials,
+            }),
+            range_of,
             render: RenderSettings {
                 mode: match mode {
                     ModeArg::Log => Mode::Log,
+                    ModeArg::Filmic => Mode::Filmic,
                     ModeArg::Linear => Mode::Linear,
                     ModeArg::FalseColor => Mode::FalseColor,
                     ModeArg::Ids => Mode::Ids,
                 },
-                quantity: match self.quantity {
-                    QuantityArg::Radiosity => Quantity::Radiosity,
-                    QuantityArg::Irradiance => Quantity::Irradiance,
-                    QuantityArg::Error => Quantity::Error,
+                shown: Shown {
+                    quantity: match self.quantity {
+                        QuantityArg::Radiosity => Quantity::Radiosity,
+                        QuantityArg::Radiance => Quantity::Radiance,
+                        QuantityArg::Irradiance => Quantity::Irradiance,
+                        QuantityArg::Direct => Quantity::Direct,
+                        QuantityArg::Indirect => Quantity::Indirect,
+                        QuantityArg::Emission => Quantity::Emission,
+                        QuantityArg::Reflectance => Quantity::Reflectance,
+                        QuantityArg::Error => Quantity::Error,
+                    },
+                    channel: match self.channel {
+                        None => Channel::All,
+                        Some(ChannelArg::Red) => Channel::Red,
+                        Some(ChannelArg::Green) => Channel::Green,
+                        Some(ChannelArg::Blue) => Channel::Blue,
+                        Some(ChannelArg::Luminance) => Channel::Luminance,
+                    },
+                    is_luminous: self.luminous,
                 },
+                raw_ids: self.raw,
+                contours: self.contours,
+                transparent: self.transparent,
                 smooth: self.smooth || self.style == Some(Style::S),
                 flat: self.flat,
                 cull_back_faces: self.cull_back,
@@ -174,7 +261,7 @@ impl Args {
                     AxisArg::Y => Axis::Y,
                     AxisArg::Z => Axis::Z,
                 }),
-                range: self.range,
+                range,
             },
         })
     }
@@ -232,10 +319,19 @@ fn size(text: &str) -> Result<Size, String> {
         .ok_or_else(|| "give two whole numbers, in pixels, as in 1024x768".into())
 }
 
-fn range(text: &str) -> Result<Range, String> {
-    numbers(text, ':')
-        .map(|[low, high]| Range { low, high })
-        .ok_or_else(|| "give two numbers, in W/m^2, as in 0.1:50".into())
+/// What reads as two numbers is no file's name.
+fn range(text: &str) -> Result<RangeArg, String> {
+    if let Some([low, high]) = numbers(text, ':') {
+        return Ok(RangeArg::Ends(Range { low, high }));
+    }
+    let path = PathBuf::from(text);
+    if path.extension().is_some_and(|extension| extension == "rad") || path.is_file() {
+        return Ok(RangeArg::Of(path));
+    }
+    Err(
+        "give two numbers, in the unit of what is shown, as in 0.1:50, or a file that has a range"
+            .into(),
+    )
 }
 
 #[cfg(test)]

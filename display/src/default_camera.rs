@@ -9,9 +9,9 @@
 //! - inside, points of a grid at eye height, in level directions (so that verticals stay parallel)
 //!   and two angles of view: the shares of the scene's area, of its objects and of its lamps' area
 //!   that are in the picture, less those of the picture that are close before the eye or open. One
-//!   that sees a back is none.
-//! - outside, three-quarter views from above that hold the whole scene: the share of fronts among
-//!   the surfaces seen.
+//!   that sees backs is none.
+//! - outside, three-quarter views from above that hold the whole scene and are filled by it: the share of fronts among
+//!   the surfaces seen. Where that is small, they stand behind walls, and one inside is taken if there is any.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -56,6 +56,9 @@ const GRAZING: f64 = 0.25;
 const OBJECTS_WEIGHT: f64 = 0.3;
 const LAMPS_WEIGHT: f64 = 0.15;
 
+/// Share of fronts among what a view from outside shows, below which it is one from behind a wall.
+const MOSTLY_FRONTS: f64 = 0.5;
+
 /// Rows of a candidate's picture, pixels.
 const CANDIDATE_ROWS: u32 = 48;
 
@@ -95,11 +98,22 @@ pub struct Wishes {
 pub fn choose(scene: &Scene, wishes: &Wishes) -> Framing {
     match kind::of(scene) {
         Kind::Stage(side) => through(scene, side, wishes),
-        Kind::Room if wishes.cull == Cull::Nothing => {
-            inside(scene, wishes).unwrap_or_else(|| outside(scene, wishes))
-        }
-        Kind::Room | Kind::Object => outside(scene, wishes),
+        Kind::Room if wishes.cull == Cull::Nothing => inside(scene, wishes, MAX_BACK_FACES)
+            .unwrap_or_else(|| not_behind_a_wall(scene, wishes)),
+        Kind::Object if wishes.cull == Cull::Nothing => not_behind_a_wall(scene, wishes),
+        Kind::Room | Kind::Object => outside(scene, wishes).0,
     }
+}
+
+/// The best view from outside, unless it shows backs mostly and one from inside shows fewer.
+fn not_behind_a_wall(scene: &Scene, wishes: &Wishes) -> Framing {
+    let (framing, fronts) = outside(scene, wishes);
+    if fronts >= MOSTLY_FRONTS {
+        return framing;
+    }
+    let few = [MAX_BACK_FACES, 0.25 * (1.0 - fronts)];
+    let inside = few.into_iter().find_map(|most| inside(scene, wishes, most));
+    inside.unwrap_or(framing)
 }
 
 /// The view through the open side of a stage, which fills the picture.
@@ -119,8 +133,8 @@ fn through(scene: &Scene, side: DVec3, wishes: &Wishes) -> Framing {
     }
 }
 
-/// The best three-quarter view from outside.
-fn outside(scene: &Scene, wishes: &Wishes) -> Framing {
+/// The best three-quarter view from outside, and the share of fronts in it.
+fn outside(scene: &Scene, wishes: &Wishes) -> (Framing, f64) {
     let aspect = wishes.aspect.unwrap_or(ASPECT);
     let fov = wishes.fov_degrees.unwrap_or(OUTSIDE_FOV);
     let (east, south) = floor_axes(wishes.up);
@@ -131,13 +145,9 @@ fn outside(scene: &Scene, wishes: &Wishes) -> Framing {
             let azimuth = f64::from(k) * std::f64::consts::TAU / f64::from(OUTSIDE_AZIMUTHS) + 1.05;
             let level = azimuth.cos() * east + azimuth.sin() * south;
             let (sin, cos) = elevation.to_radians().sin_cos();
-            candidates.push(holding_all(
-                scene,
-                cos * level + sin * wishes.up,
-                wishes.up,
-                fov,
-                aspect,
-            ));
+            let forward = -(cos * level + sin * wishes.up);
+            let camera = Camera::new(DVec3::ZERO, forward, wishes.up, fov);
+            candidates.push(filled_by(scene, camera, aspect));
         }
     }
     let drawable = Arc::new(Drawable::new(scene));
@@ -159,36 +169,45 @@ fn outside(scene: &Scene, wishes: &Wishes) -> Framing {
             },
         )
         .collect();
-    Framing {
-        camera: candidates[first_best(&scores).unwrap_or(0)],
+    let best = first_best(&scores).unwrap_or(0);
+    let framing = Framing {
+        camera: candidates[best],
         aspect,
-    }
+    };
+    (framing, scores[best] / 100.0)
 }
 
-/// A camera towards the middle of the scene from direction `from`, far enough to hold all of it.
-fn holding_all(scene: &Scene, from: DVec3, up: DVec3, fov: f64, aspect: f64) -> Camera {
-    let [middle, half] = bounding_box(scene);
-    let camera = Camera::new(middle, -from, up, fov);
-    let limit = camera.half_height() / (1.0 + MARGIN);
-    let distance = (0..8)
-        .map(|k| {
-            let sign = |bit: u32| if k >> bit & 1 == 0 { 1.0 } else { -1.0 };
-            let corner = half * DVec3::new(sign(0), sign(1), sign(2));
-            let across = corner
-                .dot(camera.up)
-                .abs()
-                .max(corner.dot(camera.right).abs() / aspect);
-            across / limit - corner.dot(camera.forward)
-        })
-        .fold(0.0, f64::max);
+/// The camera with the same directions whose picture is filled by the scene, but for a margin.
+///
+/// A point p is within the left and the right side of a picture seen from e if |(p - e) . right| <= w (p - e) . forward, w the half
+/// width at distance 1. So e . right - w e . forward is at least the largest p . right - w p . forward, and -e . right -
+/// w e . forward at least the largest of the other side: of both, the nearest e lies in the middle. So above and below, and of the
+/// two distances the larger one counts.
+fn filled_by(scene: &Scene, camera: Camera, aspect: f64) -> Camera {
+    let high = camera.half_height() / (1.0 + MARGIN);
+    let sides = [(camera.right, high * aspect), (camera.up, high)];
+    let mut reach = [[f64::NEG_INFINITY; 2]; 2];
+    for corner in scene.surfaces().iter().flat_map(|surface| surface.corners) {
+        let corner = corner.as_dvec3();
+        let depth = corner.dot(camera.forward);
+        for ([plus, minus], (axis, half)) in reach.iter_mut().zip(sides) {
+            let across = corner.dot(axis);
+            *plus = plus.max(across - half * depth);
+            *minus = minus.max(-across - half * depth);
+        }
+    }
+    let middle = |k: usize| 0.5 * (reach[k][0] - reach[k][1]);
+    let depth = |k: usize| -0.5 * (reach[k][0] + reach[k][1]) / sides[k].1;
     Camera {
-        eye: middle + distance * from,
+        eye: middle(0) * camera.right
+            + middle(1) * camera.up
+            + depth(0).min(depth(1)) * camera.forward,
         ..camera
     }
 }
 
-/// The best view from inside, or `None` where every point sees backs of surfaces.
-fn inside(scene: &Scene, wishes: &Wishes) -> Option<Framing> {
+/// The best view from inside, of those of which at most so much are backs, or `None` where there is none.
+fn inside(scene: &Scene, wishes: &Wishes, most_backs: f64) -> Option<Framing> {
     let aspect = wishes.aspect.unwrap_or(ASPECT);
     let fovs = match wishes.fov_degrees {
         Some(fov) => vec![(fov, 0.0)],
@@ -205,7 +224,7 @@ fn inside(scene: &Scene, wishes: &Wishes) -> Option<Framing> {
             middle + half * (place + (2.0 * EYE_HEIGHT - 1.0) * wishes.up)
         })
         .collect();
-    let critic = Critic::new(scene);
+    let critic = Critic::new(scene, most_backs);
     let drawable = Arc::new(Drawable::new(scene));
     let candidates: Vec<(Camera, f64)> = eyes
         .into_par_iter()
@@ -279,10 +298,12 @@ struct Critic<'a> {
     lamp_area: f64,
     /// What is nearer than this stands close before the eye, metres.
     close: f64,
+    /// Share of a view that may be backs.
+    most_backs: f64,
 }
 
 impl<'a> Critic<'a> {
-    fn new(scene: &'a Scene) -> Self {
+    fn new(scene: &'a Scene, most_backs: f64) -> Self {
         let [_, half] = bounding_box(scene);
         let lamps = scene
             .surfaces()
@@ -293,10 +314,11 @@ impl<'a> Critic<'a> {
             area: scene.area(),
             lamp_area: lamps.map(scene::Surface::area).sum(),
             close: CLOSE * half.length(),
+            most_backs,
         }
     }
 
-    /// The score of a view, minus infinity if it sees a back; `probe` is at its eye.
+    /// The score of a view, minus infinity if it sees too many backs; `probe` is at its eye.
     fn score(&self, probe: &mut Lookout, camera: &Camera, aspect: f64) -> f64 {
         let (mut visible_area, mut visible_lamps) = (0.0, 0.0);
         let (mut close, mut open, mut backs, mut total) = (0.0, 0.0, 0.0, 0.0);
@@ -333,7 +355,7 @@ impl<'a> Critic<'a> {
                 }
             },
         );
-        if backs > MAX_BACK_FACES * total {
+        if backs > self.most_backs * total {
             return f64::NEG_INFINITY;
         }
         let object_share = objects.len() as f64 / self.scene.objects().len().max(1) as f64;

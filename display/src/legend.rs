@@ -10,9 +10,10 @@
 use scene::Rgb;
 use scene::srgb::decode;
 
+use crate::luminance::luminance;
 use crate::number;
-use crate::scale::luminance;
-use crate::settings::{Quantity, Range, Size};
+use crate::quantity::Shown;
+use crate::settings::{Range, Size};
 use crate::text::{Canvas, Typeface};
 use crate::ticks::ticks;
 use crate::tone::Tone;
@@ -87,8 +88,8 @@ pub struct Clipped {
 
 impl Clipped {
     /// Of these values, W/m^2.
-    pub fn of(values: &[Rgb], range: Range) -> Self {
-        let mut lights = values.iter().map(|&value| f64::from(luminance(value)));
+    pub fn of(values: impl Iterator<Item = Rgb> + Clone, range: Range) -> Self {
+        let mut lights = values.map(|value| f64::from(luminance(value)));
         // Both ends are rounded to f32, as luminances are.
         let beyond = |light: f64, end: f64| (light - end) > f64::from(f32::EPSILON) * end.abs();
         Self {
@@ -112,13 +113,7 @@ impl Clipped {
 }
 
 /// Draws the legend over the right of a picture.
-pub fn draw(
-    canvas: &mut Canvas,
-    layout: Layout,
-    tone: &Tone,
-    quantity: Quantity,
-    clipped: Clipped,
-) {
+pub fn draw(canvas: &mut Canvas, layout: Layout, tone: &Tone, shown: Shown, clipped: Clipped) {
     let letter = layout.letter;
     let Some(typeface) = Typeface::new(letter) else {
         return;
@@ -132,12 +127,14 @@ pub fn draw(
         Rgb::splat(decode(PANEL)),
     );
     let left = panel_left as f32 + MARGIN * letter;
-    for (line, text) in [quantity.to_string(), "W/m²".to_owned()].iter().enumerate() {
+    let heading = heading(shown, tone);
+    for (line, text) in heading.iter().enumerate() {
         let middle = (MARGIN + 0.5 + line as f32 * LINE) * letter;
         typeface.draw(canvas, left, middle, text, ink);
     }
 
-    let top = ((MARGIN + 3.0 * LINE + 0.9) * letter).round() as i64;
+    let lines = heading.len() as f32 + 1.0;
+    let top = ((MARGIN + lines * LINE + 0.9) * letter).round() as i64;
     let bottom = (height - (MARGIN + LINE) * letter).round() as i64;
     let range = tone.scale().range();
     let ends = number::ends(range);
@@ -172,6 +169,15 @@ pub fn draw(
             typeface.draw(canvas, bar_right as f32 + 0.75 * letter, middle, label, ink);
         }
     }
+}
+
+/// What is shown, a word a line, its unit, and how the colours run.
+fn heading(shown: Shown, tone: &Tone) -> Vec<String> {
+    let name = shown.name();
+    let mut lines: Vec<String> = name.split(' ').map(str::to_owned).collect();
+    lines.extend(Some(shown.unit().to_owned()).filter(|unit| !unit.is_empty()));
+    lines.push(tone.scale().kind().to_owned());
+    lines
 }
 
 #[cfg(test)]
@@ -230,7 +236,7 @@ mod tests {
         };
         let labels = |values: &[f32]| {
             let values: Vec<Rgb> = values.iter().map(|&v| Rgb::splat(v)).collect();
-            Clipped::of(&values, range).labels(range)
+            Clipped::of(values.into_iter(), range).labels(range)
         };
         assert_eq!(labels(&[0.2, 5.0, 90.0]), ["0.2", "90"]);
         assert_eq!(labels(&[0.19, 5.0, 90.0]), ["< 0.2", "90"]);
@@ -246,8 +252,7 @@ mod tests {
                 low: 0.2,
                 high: 90.0,
             },
-        )
-        .unwrap();
+        );
         let size = Size {
             width: 640,
             height: 480,
@@ -261,7 +266,7 @@ mod tests {
             },
             layout,
             &tone,
-            Quantity::Radiosity,
+            Shown::default(),
             Clipped::default(),
         );
         let view_width = (size.width - layout.width) as usize;

@@ -8,27 +8,33 @@
 //! |---|---|
 //! | [`settings`] | what is asked for, checked |
 //! | [`camera`], [`default_camera`], [`kind`], [`probe`], [`up`] | where the picture is taken from |
-//! | [`shade`], [`smooth`] | the light that a pixel sees |
-//! | [`range`], [`scale`], [`tone`] | from W/m^2 to display light |
+//! | [`quantity`], [`shade`], [`smooth`] | the light that a pixel sees |
+//! | [`luminance`], [`range`], [`scale`], [`tone`] | from W/m^2 to display light |
 //! | [`legend`], [`ticks`], [`text`], [`number`] | the false colours' legend |
 //! | [`picture`], [`output`] | the finished picture, and files |
 
 pub mod camera;
 pub mod cli;
+pub mod contours;
 pub mod dark;
 pub mod default_camera;
+pub mod distinct;
 pub mod kind;
 pub mod legend;
+pub mod luminance;
 pub mod number;
 pub mod output;
 pub mod picture;
 pub mod probe;
+pub mod quantity;
 pub mod range;
 mod run;
 pub mod scale;
 pub mod settings;
 pub mod shade;
+mod shown;
 pub mod smooth;
+pub mod table;
 pub mod text;
 pub mod ticks;
 pub mod tone;
@@ -36,8 +42,9 @@ pub mod up;
 
 pub use camera::Camera;
 pub use picture::{Picture, patch_colors, render};
+pub use quantity::{Channel, Quantity, Shown};
 pub use run::run;
 pub use scene::Axis;
 pub use settings::{
-    ExportFormat, ImageFormat, Mode, Quantity, Range, RenderSettings, Settings, SettingsError, Size,
+    ExportFormat, ImageFormat, Mode, Range, RenderSettings, Settings, SettingsError, Size,
 };

@@ -7,12 +7,15 @@ use scene::{PatchId, Rgb, Scene, Solution};
 use visibility::Cull;
 
 use crate::camera::Camera;
+use crate::contours;
 use crate::dark;
 use crate::default_camera::{self, Framing, Wishes};
+use crate::distinct::distinct_color;
 use crate::legend::{self, Clipped, Layout};
+use crate::luminance::luminance;
 use crate::range;
-use crate::settings::{Mode, Quantity, RenderSettings, SettingsError, Size};
-use crate::shade::{self, Light, Seen, Shading, ShownFunction};
+use crate::settings::{Mode, Range, RenderSettings, SettingsError, Size};
+use crate::shade::{self, Light, Seen, Shading, Visible};
 use crate::smooth::VertexValues;
 use crate::text::Canvas;
 use crate::tone::{Tone, to_srgb8};
@@ -20,6 +23,9 @@ use crate::up;
 
 /// Rows of a picture, where none are asked for.
 const DEFAULT_HEIGHT: u32 = 768;
+
+/// The longer side of the picture that tells what there is to be seen, pixels.
+const VISIBLE_SIDE: u32 = 192;
 
 /// A picture.
 #[derive(Clone, Debug)]
@@ -38,6 +44,8 @@ pub struct Picture {
     pub tone: Option<Tone>,
     /// Fronts and backs of surfaces in the view.
     pub seen: Seen,
+    /// What fronts show, as far as a small picture tells; `None` where there are none, and in [`Mode::Ids`].
+    pub visible: Option<Extent>,
 }
 
 /// Takes a picture.
@@ -75,10 +83,9 @@ pub fn render(
         }
     });
 
-    let values = patch_values(scene, solution, settings.quantity)?;
-    let Some(tone) = tone(scene, &values, settings) else {
+    if settings.mode == Mode::Ids {
         let (ids, seen) = shade::ids(scene, &camera, view, cull);
-        let mapped = ids_image(view, &ids);
+        let mapped = ids_image(view, &ids, settings.raw_ids);
         return Ok(Picture {
             camera,
             view,
@@ -86,20 +93,19 @@ pub fn render(
             mapped,
             tone: None,
             seen,
+            visible: None,
         });
-    };
-    let function = solution.and_then(|solution| solution.function.as_ref());
-    let is_flat = settings.flat || settings.quantity == Quantity::Error;
-    let shading = match function.filter(|_| !is_flat) {
-        Some(function) => {
-            let is_radiosity = settings.quantity == Quantity::Radiosity;
-            Shading::Function(ShownFunction::new(scene, function, is_radiosity, &values))
-        }
+    }
+    let values = settings.shown.of_patches(scene, solution)?;
+    let function = settings.shown.function(scene, solution, &values);
+    let shading = match function.filter(|_| !settings.flat) {
+        Some(function) => Shading::Function(function),
         None if settings.smooth => Shading::Smooth(VertexValues::new(scene, &values)),
-        None => Shading::flat(&values, &tone),
+        None => Shading::Flat(&values),
     };
-    let mut light = shade::light(scene, &camera, view, cull, &shading, &tone);
-    let is_dark = light.linear.iter().all(|&value| value == Rgb::ZERO);
+    let small = small(view);
+    let mut visible = shade::visible(scene, &camera, small, cull, &shading);
+    let is_dark = visible.iter().all(|seen| seen.value == Rgb::ZERO);
     // Where nobody has placed the camera, it may as well show what is lit.
     if is_dark
         && settings.eye.is_none()
@@ -111,13 +117,21 @@ pub fn render(
         )
     {
         camera = framing.camera;
-        light = shade::light(scene, &camera, view, cull, &shading, &tone);
+        visible = shade::visible(scene, &camera, small, cull, &shading);
     }
+    let range = range_for(scene, &values, &visible, settings);
+    let tone = Tone::new(settings.mode, range);
+    let light = shade::light(scene, &camera, view, cull, &shading, &tone);
     let Light {
         seen,
         linear,
-        display,
+        mut display,
+        coverage,
     } = light;
+    if !settings.contours.is_empty() {
+        let (ids, _) = shade::ids(scene, &camera, view, cull);
+        contours::draw(&mut display, scene, view, &linear, &ids, &settings.contours);
+    }
     let mut pixels = widened(display, view, size);
     if settings.mode == Mode::FalseColor
         && let Some(layout) = Layout::inside(size)
@@ -126,17 +140,86 @@ pub fn render(
             pixels: &mut pixels,
             size,
         };
-        let clipped = Clipped::of(&values, tone.scale().range());
-        legend::draw(&mut canvas, layout, &tone, settings.quantity, clipped);
+        let clipped = Clipped::of(linear.iter().copied(), tone.scale().range());
+        legend::draw(&mut canvas, layout, &tone, settings.shown, clipped);
     }
+    let mapped = if settings.transparent {
+        rgba_image(size, &pixels, view, &coverage)
+    } else {
+        rgb_image(size, &pixels)
+    };
     Ok(Picture {
         camera,
         view,
         linear,
-        mapped: rgb_image(size, &pixels),
+        mapped,
         tone: Some(tone),
         seen,
+        visible: Extent::of(&visible),
     })
+}
+
+/// The size of a picture that tells what there is to be seen.
+fn small(view: Size) -> Size {
+    let side = |pixels: u32| {
+        let most = view.width.max(view.height).div_ceil(VISIBLE_SIDE).max(1);
+        pixels.div_ceil(most)
+    };
+    Size {
+        width: side(view.width),
+        height: side(view.height),
+    }
+}
+
+/// The range that is asked for, or suits what is seen or all patches.
+fn range_for(
+    scene: &Scene,
+    values: &[Rgb],
+    visible: &[Visible],
+    settings: &RenderSettings,
+) -> Range {
+    settings.range.unwrap_or_else(|| {
+        let shares = match settings.mode {
+            Mode::FalseColor => range_shares(visible),
+            _ => range::of_patches(scene, values),
+        };
+        range::suiting(&shares, settings.mode)
+    })
+}
+
+/// What is seen, each pixel as much as any.
+fn range_shares(visible: &[Visible]) -> Vec<range::Share> {
+    let share = |seen: &Visible| range::Share {
+        luminance: f64::from(luminance(seen.value)),
+        amount: 1.0,
+        is_emitter: seen.is_emitter,
+    };
+    visible.iter().map(share).collect()
+}
+
+/// The luminances that a picture shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    /// The smallest one, in the unit of what is shown.
+    pub least: f64,
+    /// The largest one.
+    pub most: f64,
+}
+
+impl Extent {
+    fn of(visible: &[Visible]) -> Option<Self> {
+        let lights = visible.iter().map(|seen| f64::from(luminance(seen.value)));
+        lights.fold(None, |extent, light| {
+            let Self { least, most } = extent.unwrap_or(Self {
+                least: light,
+                most: light,
+            });
+            Some(Self {
+                least: least.min(light),
+                most: most.max(light),
+            })
+        })
+    }
 }
 
 /// The colours of all patches in the mapping of a picture with these settings, sRGB, one per
@@ -147,52 +230,48 @@ pub fn patch_colors(
     settings: &RenderSettings,
 ) -> Result<Vec<[u8; 3]>, SettingsError> {
     settings.validate()?;
-    let values = patch_values(scene, solution, settings.quantity)?;
-    Ok(match tone(scene, &values, settings) {
-        Some(tone) => values
-            .par_iter()
-            .map(|&v| to_srgb8(tone.display_light(v)))
-            .collect(),
-        None => (0..scene.patch_count())
-            .map(|patch| id_color(PatchId(patch)))
-            .collect(),
-    })
+    if settings.mode == Mode::Ids {
+        let color = |patch| color_of_id(PatchId(patch), settings.raw_ids);
+        return Ok((0..scene.patch_count()).map(color).collect());
+    }
+    let values = settings.shown.of_patches(scene, solution)?;
+    let range = settings
+        .range
+        .unwrap_or_else(|| range::suiting(&range::of_patches(scene, &values), settings.mode));
+    let tone = Tone::new(settings.mode, range);
+    let color = |&value: &Rgb| to_srgb8(tone.display_light(value));
+    Ok(values.par_iter().map(color).collect())
+}
+
+/// The range that a picture of a file has, where all of its patches decide it: that of a series of pictures.
+///
+/// # Errors
+/// Where the solution does not have what is shown.
+pub fn range_of(
+    scene: &Scene,
+    solution: Option<&Solution>,
+    settings: &RenderSettings,
+) -> Result<Range, SettingsError> {
+    let values = settings.shown.of_patches(scene, solution)?;
+    Ok(range::suiting(
+        &range::of_patches(scene, &values),
+        settings.mode,
+    ))
+}
+
+/// A patch's ID as a colour, told from others or as it is.
+fn color_of_id(patch: PatchId, is_raw: bool) -> [u8; 3] {
+    if is_raw {
+        id_color(patch)
+    } else {
+        to_srgb8(distinct_color(patch))
+    }
 }
 
 /// A patch's ID as a colour: R = ID >> 16, G = ID >> 8, B = ID.
 pub fn id_color(patch: PatchId) -> [u8; 3] {
     let [_, r, g, b] = patch.0.to_be_bytes();
     [r, g, b]
-}
-
-/// The values to show, W/m^2, one per patch.
-fn patch_values(
-    scene: &Scene,
-    solution: Option<&Solution>,
-    quantity: Quantity,
-) -> Result<Vec<Rgb>, SettingsError> {
-    Ok(match (solution, quantity) {
-        (Some(solution), Quantity::Radiosity) => solution.mean_radiosity(scene),
-        (Some(solution), Quantity::Irradiance) => solution.mean_irradiance(scene),
-        (None, Quantity::Radiosity) => scene.patch_emissions(),
-        (None, Quantity::Irradiance) => vec![Rgb::ZERO; scene.patch_count() as usize],
-        (solution, Quantity::Error) => {
-            let error = solution.and_then(Solution::error);
-            let error = error.ok_or(SettingsError::NoError)?;
-            error.iter().map(|&error| Rgb::splat(error)).collect()
-        }
-    })
-}
-
-/// The mapping that is asked for; `None` in [`Mode::Ids`].
-fn tone(scene: &Scene, values: &[Rgb], settings: &RenderSettings) -> Option<Tone> {
-    if settings.mode == Mode::Ids {
-        return None;
-    }
-    let range = settings
-        .range
-        .unwrap_or_else(|| range::suiting(scene, values, settings.mode));
-    Tone::new(settings.mode, range)
 }
 
 /// What the settings leave to a camera's choice.
@@ -257,10 +336,34 @@ fn rgb_image(size: Size, pixels: &[Rgb]) -> DynamicImage {
         .into()
 }
 
-fn ids_image(size: Size, ids: &[Option<PatchId>]) -> DynamicImage {
+/// The same with the view's coverage as alpha; what lies beside it covers all.
+fn rgba_image(size: Size, pixels: &[Rgb], view: Size, coverage: &[f32]) -> DynamicImage {
+    let (width, view_width) = (size.width as usize, view.width as usize);
+    let bytes: Vec<u8> = pixels
+        .par_iter()
+        .enumerate()
+        .flat_map_iter(|(k, &light)| {
+            let (x, y) = (k % width, k / width);
+            let alpha = if x < view_width {
+                coverage[y * view_width + x]
+            } else {
+                1.0
+            };
+            // Rays that met nothing are black in the mean.
+            let light = if alpha > 0.0 { light / alpha } else { light };
+            let [r, g, b] = to_srgb8(light);
+            [r, g, b, (255.0 * alpha).round() as u8]
+        })
+        .collect();
+    RgbaImage::from_raw(size.width, size.height, bytes)
+        .unwrap_or_default()
+        .into()
+}
+
+fn ids_image(size: Size, ids: &[Option<PatchId>], is_raw: bool) -> DynamicImage {
     let pixel = |id: &Option<PatchId>| match id {
         Some(patch) => {
-            let [r, g, b] = id_color(*patch);
+            let [r, g, b] = color_of_id(*patch, is_raw);
             [r, g, b, 255]
         }
         None => [0; 4],

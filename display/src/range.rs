@@ -1,12 +1,18 @@
 //! A range of luminances that suits a scene, where none is asked for.
 //!
 //! Lamps are orders of magnitude brighter than what they light, and a few patches in corners orders
-//! darker. So the range runs between two percentiles, by area, of the luminances of the patches
-//! that reflect only; lamps may clip to white, and what only stray light reaches does not count.
+//! darker. So the range runs between two percentiles, by area, of the luminances of what reflects
+//! only; lamps may clip to white, and what only stray light reaches does not count. Where there are lamps to be seen, the
+//! brightest wall stays a step below white, so that a lamp is told from it.
+//!
+//! Where most of a scene is nearly as bright as its brightest, as outdoors, a logarithm down to its shadows would show all of it
+//! pale; a log picture's range then ends sooner below.
 
+use scene::srgb::decode;
 use scene::{Rgb, Scene};
 
-use crate::scale::{LOGARITHMIC_FROM, luminance};
+use crate::luminance::luminance;
+use crate::scale::LOGARITHMIC_FROM;
 use crate::settings::{Mode, Range};
 
 /// Shares of the lit area that lie below the range and above it. Tuned by eye on the Cornell box
@@ -22,9 +28,16 @@ const MIN_CONTRAST: f64 = 10.0;
 const MAX_LOG_CONTRAST: f64 = 300.0;
 const MAX_FALSE_COLOR_CONTRAST: f64 = 1e4;
 
+/// Where on a log picture's scale the median of what is lit lies at most: a photograph has its middle there or lower. Tuned by eye
+/// on a courtyard under an open sky.
+const HIGHEST_MEDIAN: f64 = 0.75;
+
 /// Share of a log picture's scale that lies below the darkest patches, so that shadows keep their
 /// shape: they start at an eighth of the codes. Tuned by eye on the same scenes.
 const SHADOW_ROOM: f64 = 0.125;
+
+/// The brightest of what reflects, as sRGB code where lamps are to be told from it. Tuned likewise.
+const BRIGHTEST_CODE: f32 = 0.92;
 
 /// What is taken where there is no light at all.
 const DARK: Range = Range {
@@ -32,20 +45,41 @@ const DARK: Range = Range {
     high: 1.0,
 };
 
-/// The range for patches of these values (one per patch, W/m^2).
-pub fn suiting(scene: &Scene, values: &[Rgb], mode: Mode) -> Range {
+/// Some light of a scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Share {
+    /// Its luminance, in the unit of what is shown.
+    pub luminance: f64,
+    /// How much there is of it, such as an area.
+    pub amount: f64,
+    /// Whether it comes from what emits.
+    pub is_emitter: bool,
+}
+
+/// What patches of these values, one per patch, show, by area.
+pub fn of_patches(scene: &Scene, values: &[Rgb]) -> Vec<Share> {
     let areas = scene.patch_areas();
     let emissions = scene.patch_emissions();
     let is_inside = scene.is_inside();
+    let shares = (0..values.len()).filter(|&k| !is_inside[k]).map(|k| Share {
+        luminance: f64::from(luminance(values[k])),
+        amount: areas[k],
+        is_emitter: emissions[k].max_element() > 0.0,
+    });
+    shares.collect()
+}
+
+/// The range for what is shown.
+pub fn suiting(shares: &[Share], mode: Mode) -> Range {
     let lit = |emitters: bool| -> Vec<(f64, f64)> {
-        (0..values.len())
-            .filter(|&k| !is_inside[k] && (emissions[k].max_element() > 0.0) == emitters)
-            .map(|k| (f64::from(luminance(values[k])), areas[k]))
-            .filter(|&(light, _)| light > 0.0)
-            .collect()
+        let lit = shares
+            .iter()
+            .filter(|share| share.is_emitter == emitters && share.luminance > 0.0);
+        lit.map(|share| (share.luminance, share.amount)).collect()
     };
     let mut lights = lit(false);
-    if lights.is_empty() {
+    let has_walls = !lights.is_empty();
+    if !has_walls {
         lights = lit(true);
     }
     let Some([high]) = percentiles(&mut lights, [1.0 - BRIGHTEST]) else {
@@ -53,25 +87,30 @@ pub fn suiting(scene: &Scene, values: &[Rgb], mode: Mode) -> Range {
     };
     // What only stray light reaches, as behind and below things, is no part of the picture.
     lights.retain(|&(light, _)| light >= high / MAX_FALSE_COLOR_CONTRAST);
-    let Some([low]) = percentiles(&mut lights, [DARKEST]) else {
+    let Some([low, median]) = percentiles(&mut lights, [DARKEST, 0.5]) else {
         return DARK;
     };
-    let most = if mode == Mode::Log {
-        MAX_LOG_CONTRAST
-    } else {
-        MAX_FALSE_COLOR_CONTRAST
+    let is_outshone = has_walls && shares.iter().any(|s| s.is_emitter && s.luminance > high);
+    let most = match mode {
+        Mode::Log => MAX_LOG_CONTRAST.min((high / median).powf(1.0 / (1.0 - HIGHEST_MEDIAN))),
+        _ => MAX_FALSE_COLOR_CONTRAST,
     };
-    let contrast = (high / low).clamp(MIN_CONTRAST, most);
+    let contrast = (high / low).clamp(MIN_CONTRAST, most.max(MIN_CONTRAST));
     let low = match mode {
-        Mode::Linear => 0.0,
+        Mode::Linear | Mode::Filmic => 0.0,
         // A linear scale starts at 0, to be in proportion.
         Mode::FalseColor if contrast < LOGARITHMIC_FROM => 0.0,
         Mode::FalseColor | Mode::Ids => round(high / contrast, f64::floor),
         Mode::Log => round(high / contrast.powf(1.0 / (1.0 - SHADOW_ROOM)), f64::floor),
     };
+    let room = match mode {
+        Mode::Log if is_outshone => (high / low).powf(1.0 / f64::from(BRIGHTEST_CODE) - 1.0),
+        Mode::Linear if is_outshone => f64::from(1.0 / decode(BRIGHTEST_CODE)),
+        _ => 1.0,
+    };
     Range {
         low,
-        high: round(high, f64::ceil),
+        high: round(room * high, f64::ceil),
     }
 }
 
@@ -142,8 +181,8 @@ mod tests {
             (0..200).map(value).collect()
         };
         for mode in [Mode::Log, Mode::FalseColor] {
-            let dark = suiting(&scene, &of(0.0), mode);
-            let stray = suiting(&scene, &of(1e-9), mode);
+            let dark = suiting(&of_patches(&scene, &of(0.0)), mode);
+            let stray = suiting(&of_patches(&scene, &of(1e-9)), mode);
             assert_eq!((dark.low, dark.high), (stray.low, stray.high), "{mode:?}");
         }
     }

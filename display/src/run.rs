@@ -9,35 +9,52 @@ use scene::{Rgb, Scene, Solution, export};
 use crate::dark;
 use crate::number;
 use crate::output::{save_exr, save_png};
-use crate::picture::{patch_colors, render};
-use crate::settings::{
-    ExportFormat, ImageFormat, Mode, Quantity, RenderSettings, Settings, SettingsError,
-};
+use crate::picture::{Extent, Picture, patch_colors, range_of, render};
+use crate::quantity::{Quantity, Shown};
+use crate::settings::{ExportFormat, ImageFormat, Mode, RenderSettings, Settings};
 use crate::shade::Seen;
+use crate::table::{self, Rows};
 use crate::tone::Tone;
 
 /// The last residual, dimensionless, from which on a solution is called converged: what is left
 /// then is below what a picture of 8 bits shows.
 const CONVERGED: f64 = 1e-3;
 
+/// Luminances that differ by less, relative, are one: a step of 8 bits is 40 times as large.
+const UNIFORM: f64 = 1e-4;
+
 /// Writes the picture and the export that are asked for, and prints a line for each.
 pub fn run(settings: &Settings) -> Result<()> {
     settings.validate()?;
     let (scene, solution) = scene::file::load(&settings.input)?;
-    let has_error = solution.as_ref().is_some_and(|s| s.error().is_some());
-    if settings.render.quantity == Quantity::Error && !has_error {
-        return Err(SettingsError::NoError).with_context(|| settings.input.display().to_string());
+    let named = || settings.input.display().to_string();
+    let mut render = settings.render.clone();
+    if let Some(path) = &settings.range_of {
+        let (scene, solution) = scene::file::load(path)?;
+        let range = range_of(&scene, solution.as_ref(), &render);
+        render.range = Some(range.with_context(|| path.display().to_string())?);
     }
-    if shows_solution(settings)
-        && let Some(trouble) = trouble(&scene, solution.as_ref(), &settings.render)
-    {
+    let render = &render;
+    let trouble = shows_solution(settings).then(|| trouble(&scene, solution.as_ref(), render));
+    let trouble = trouble.flatten();
+    if let Some(trouble) = &trouble {
         note(&format!("{}: {trouble}", settings.input.display()));
     }
     if let Some((path, format)) = &settings.out {
-        write_picture(path, *format, &scene, solution.as_ref(), &settings.render)?;
+        let picture = write_picture(path, *format, &scene, solution.as_ref(), render);
+        let picture = picture.with_context(named)?;
+        // Where something is wrong, that has been told.
+        if trouble.is_none()
+            && let Some(told) = uniform(&picture, render)
+        {
+            note(&format!("{}: {told}", path.display()));
+        }
     }
     if let Some((path, format)) = &settings.export {
-        write_export(path, *format, &scene, solution.as_ref(), &settings.render)?;
+        write_export(path, *format, &scene, solution.as_ref(), render)?;
+    }
+    if let Some(by) = settings.table {
+        print_table(by, &scene, solution.as_ref(), render).with_context(named)?;
     }
     Ok(())
 }
@@ -51,7 +68,7 @@ fn shows_solution(settings: &Settings) -> bool {
         Some(ExportFormat::Ply | ExportFormat::Glb) => is_colored,
         Some(ExportFormat::Obj) | None => false,
     };
-    is_exported || (settings.out.is_some() && is_colored)
+    is_exported || settings.table.is_some() || (settings.out.is_some() && is_colored)
 }
 
 /// What keeps a solution from being one, or from showing anything, and what to do.
@@ -60,6 +77,13 @@ fn trouble(
     solution: Option<&Solution>,
     settings: &RenderSettings,
 ) -> Option<String> {
+    let is_of_materials = matches!(
+        settings.shown.quantity,
+        Quantity::Emission | Quantity::Reflectance
+    );
+    if is_of_materials {
+        return None;
+    }
     if !scene
         .surfaces()
         .iter()
@@ -67,11 +91,13 @@ fn trouble(
     {
         return Some("nothing emits, so all is black; give a material an emission".into());
     }
-    let shown = match settings.quantity {
-        Quantity::Radiosity => "the radiosity shown is the emission alone",
+    let shown = match settings.shown.quantity {
+        Quantity::Radiosity | Quantity::Radiance => "the radiosity shown is the emission alone",
         Quantity::Irradiance => "the irradiance shown is 0",
-        // Which is an error of its own without a solution.
+        // Which are errors of their own without a solution.
+        Quantity::Direct | Quantity::Indirect => "the light shown is 0",
         Quantity::Error => "the error shown is 0",
+        Quantity::Emission | Quantity::Reflectance => return None,
     };
     let Some(solution) = solution else {
         return Some(format!("no solution, {shown}; make one with compute"));
@@ -135,14 +161,18 @@ fn write_picture(
     scene: &Scene,
     solution: Option<&Solution>,
     settings: &RenderSettings,
-) -> Result<()> {
+) -> Result<Picture> {
     // An EXR is not mapped, so a mode's legend would only take its place from the view.
     let mode = if format == ImageFormat::Exr {
         Mode::Linear
     } else {
         settings.mode
     };
-    let picture = render(scene, solution, &RenderSettings { mode, ..*settings })?;
+    let settings = &RenderSettings {
+        mode,
+        ..settings.clone()
+    };
+    let picture = render(scene, solution, settings)?;
     // Where a lamp shines on backs, that has been told.
     if let Some(sight) = sight(picture.seen, settings.cull_back_faces)
         && lit_from_behind(scene, solution, settings).is_none()
@@ -157,11 +187,15 @@ fn write_picture(
         }
         ImageFormat::Exr => {
             save_exr(path, &picture)?;
-            format!("{} in W/m^2, unmapped", settings.quantity)
+            let Shown { quantity, .. } = settings.shown;
+            match settings.shown.plain_unit() {
+                unit if unit.is_empty() => format!("{quantity}, unmapped"),
+                unit => format!("{} in {unit}, unmapped", settings.shown.name()),
+            }
         }
     };
     report(path, &format!("{width}x{height}, {description}"));
-    Ok(())
+    Ok(picture)
 }
 
 fn write_export(
@@ -197,14 +231,47 @@ fn report(path: &Path, what: &str) {
     writeln!(std::io::stdout(), "{}: {what}", path.display()).ok();
 }
 
+/// What to say of a picture that shows one value everywhere, which may be right, as in a furnace.
+fn uniform(picture: &Picture, settings: &RenderSettings) -> Option<String> {
+    let Extent { least, most } = picture.visible?;
+    (least > 0.0 && most <= (1.0 + UNIFORM) * least).then(|| {
+        format!(
+            "all that the camera sees has one {}, {} {}",
+            settings.shown.name(),
+            number::with_digits(most, 4),
+            settings.shown.plain_unit()
+        )
+    })
+}
+
+/// A table on standard output. Nobody to read it is no failure.
+fn print_table(
+    by: Rows,
+    scene: &Scene,
+    solution: Option<&Solution>,
+    settings: &RenderSettings,
+) -> Result<()> {
+    let shown = settings.shown;
+    let values = shown.of_patches(scene, solution)?;
+    let rows = table::rows(scene, solution, shown, &values, by);
+    write!(std::io::stdout(), "{}", table::text(&rows, shown, by)).ok();
+    Ok(())
+}
+
 /// What a mapped picture shows.
 fn description(settings: &RenderSettings, tone: Option<&Tone>) -> String {
     let Some(tone) = tone else {
         return "patch IDs".into();
     };
     let [low, high] = number::ends(tone.scale().range());
-    format!(
-        "{} {}, {low} to {high} W/m^2",
-        settings.mode, settings.quantity
-    )
+    let mode = match settings.mode {
+        Mode::FalseColor => format!("{} ({})", settings.mode, tone.scale().kind()),
+        mode => mode.to_string(),
+    };
+    let described = format!(
+        "{mode} {}, {low} to {high} {}",
+        settings.shown.name(),
+        settings.shown.plain_unit()
+    );
+    described.trim_end().to_owned()
 }

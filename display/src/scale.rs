@@ -4,25 +4,14 @@
 //!
 //! linear: t = (Y - LO) / (HI - LO); logarithmic: t = ln(Y / LO) / ln(HI / LO).
 //!
-//! Y is the luminance of linear RGB with the weights of ITU-R BT.709-6, item 3.2. It is in the unit
-//! of its channels; no luminous efficacy is applied.
+//! Y is the [`luminance`], in the unit of what is shown.
 
-use scene::Rgb;
-
+pub use crate::luminance::luminance;
 use crate::settings::Range;
-
-/// Weights of linear red, green and blue in the luminance, dimensionless.
-const LUMINANCE_WEIGHTS: Rgb = Rgb::new(0.2126, 0.7152, 0.0722);
 
 /// From this quotient of its ends on, false colours are logarithmic. Tuned by eye on the Cornell
 /// box, which has 70: on a linear scale most of it has the lowest fifth of the colours.
 pub const LOGARITHMIC_FROM: f64 = 30.0;
-
-/// Luminance of a linear RGB value, in its unit.
-#[inline]
-pub fn luminance(value: Rgb) -> f32 {
-    value.dot(LUMINANCE_WEIGHTS)
-}
 
 /// A scale over a range of luminances.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,6 +63,11 @@ impl Scale {
     /// True for a logarithmic scale.
     pub fn is_logarithmic(&self) -> bool {
         self.is_logarithmic
+    }
+
+    /// What people call it.
+    pub fn kind(&self) -> &'static str {
+        if self.is_logarithmic { "log" } else { "linear" }
     }
 
     /// Where a luminance lies: 0 at the range's low end, 1 at its high end, not clamped. On a

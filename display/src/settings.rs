@@ -6,6 +6,9 @@ use glam::DVec3;
 use scene::Axis;
 use scene::file::is_same_file;
 
+use crate::quantity::{Quantity, Shown};
+use crate::table::Rows;
+
 /// The longest side of a picture, pixels.
 pub const MAX_SIDE: u32 = 16_384;
 
@@ -21,11 +24,13 @@ pub enum Mode {
     /// The logarithm of luminance as brightness.
     #[default]
     Log,
+    /// A curve as film has it: in proportion where it is dark, and never quite white.
+    Filmic,
     /// In proportion to the light.
     Linear,
     /// Luminance as a colour of a perceptual colour map, with a legend.
     FalseColor,
-    /// Patch IDs, as the solver sees them: R = ID >> 16, G = ID >> 8, B = ID.
+    /// Patch IDs, each in a colour of its own; or as the solver sees them ([`RenderSettings::raw_ids`]).
     Ids,
 }
 
@@ -33,31 +38,10 @@ impl std::fmt::Display for Mode {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
             Self::Log => "log",
+            Self::Filmic => "filmic",
             Self::Linear => "linear",
             Self::FalseColor => "false-color",
             Self::Ids => "ids",
-        })
-    }
-}
-
-/// Which of a solution's values is shown.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Quantity {
-    /// B = E + rho H, W/m^2: what an eye sees.
-    #[default]
-    Radiosity,
-    /// H, W/m^2: what a light meter sees.
-    Irradiance,
-    /// An estimate of the error of the reflected radiosity, W/m^2, one value a patch.
-    Error,
-}
-
-impl std::fmt::Display for Quantity {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Radiosity => "radiosity",
-            Self::Irradiance => "irradiance",
-            Self::Error => "error",
         })
     }
 }
@@ -87,12 +71,19 @@ pub struct Range {
 }
 
 /// What a picture shows, and from where. The default takes all from the scene.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a choice of its own")]
 pub struct RenderSettings {
     /// How values become colours.
     pub mode: Mode,
     /// Which values.
-    pub quantity: Quantity,
+    pub shown: Shown,
+    /// Patch IDs as R = ID >> 16, G = ID >> 8, B = ID.
+    pub raw_ids: bool,
+    /// Lines where luminances have these values, in the unit of what is shown.
+    pub contours: Vec<f64>,
+    /// Let what is behind the picture show where no surface is seen.
+    pub transparent: bool,
     /// Interpolate between patches where there is no irradiance function.
     pub smooth: bool,
     /// One value a patch even where there is an irradiance function.
@@ -141,6 +132,20 @@ impl RenderSettings {
             && !(fov > 0.0 && fov < 180.0)
         {
             return Err(SettingsError::Fov { fov });
+        }
+        if let Some(&value) = self.contours.iter().find(|value| !value.is_finite()) {
+            return Err(SettingsError::Contour { value });
+        }
+        if self.mode == Mode::Ids && !self.contours.is_empty() {
+            return Err(SettingsError::IdsWith {
+                option: "--contours",
+            });
+        }
+        if self.mode != Mode::Ids && self.raw_ids {
+            return Err(SettingsError::RawWithoutIds);
+        }
+        if self.shown.is_luminous && self.shown.quantity == Quantity::Reflectance {
+            return Err(SettingsError::LuminousReflectance);
         }
         if let Some(Range { low, high }) = self.range {
             if !(low.is_finite() && high.is_finite() && low < high) {
@@ -191,6 +196,10 @@ pub struct Settings {
     pub out: Option<(PathBuf, ImageFormat)>,
     /// Where the export goes.
     pub export: Option<(PathBuf, ExportFormat)>,
+    /// What a table is printed of.
+    pub table: Option<Rows>,
+    /// A file whose range the picture has, as a series of pictures of one scene does.
+    pub range_of: Option<PathBuf>,
     /// What is shown.
     pub render: RenderSettings,
 }
@@ -200,8 +209,11 @@ impl Settings {
     pub fn validate(&self) -> Result<(), SettingsError> {
         self.render.validate()?;
         let (image, export) = (self.out.as_ref(), self.export.as_ref());
-        if image.is_none() && export.is_none() {
+        if image.is_none() && export.is_none() && self.table.is_none() {
             return Err(SettingsError::NothingToDo);
+        }
+        if self.range_of.is_some() && self.render.mode == Mode::Ids {
+            return Err(SettingsError::IdsWith { option: "--range" });
         }
         if self.render.mode == Mode::Ids && image.is_some_and(|(_, f)| *f == ImageFormat::Exr) {
             return Err(SettingsError::IdsInExr);
@@ -223,14 +235,25 @@ impl Settings {
 #[allow(missing_docs)] // the fields are the values the message shows
 pub enum SettingsError {
     #[error(
-        "the interactive window does not exist yet; give --out IMAGE.png|.exr for a picture or \
-         --export FILE.ply|.glb|.obj|.csv for the patches"
+        "the interactive window does not exist yet; give --out IMAGE.png|.exr for a picture, \
+         --export FILE.ply|.glb|.obj|.csv for the patches or --by object for a table"
     )]
     NothingToDo,
     #[error(
         "--quantity error: nothing has estimated the error of this file; compute --target-error does"
     )]
     NoError,
+    #[error(
+        "--quantity {}: the file has no light between patches, which alone tells direct from indirect; compute --quality standard does",
+        .quantity.option()
+    )]
+    NoParts { quantity: Quantity },
+    #[error("contour {value}: must be a finite number")]
+    Contour { value: f64 },
+    #[error("--raw is how patch IDs are shown; add --mode ids")]
+    RawWithoutIds,
+    #[error("--luminous: a reflectance has no lumens; leave it out or show another quantity")]
+    LuminousReflectance,
     #[error("size {width}x{height}: each side must be 1 to {MAX_SIDE} pixels")]
     Side { width: u32, height: u32 },
     #[error("size {width}x{height}: the limit is {MAX_PIXELS} pixels in all; give a smaller one")]

@@ -14,6 +14,7 @@ use scene::{PatchId, Rgb, Scene, SurfaceId};
 use visibility::{Canvas, Cull, Drawable, Eye, Sample, View, Viewer, Window};
 
 use crate::camera::Camera;
+use crate::quantity::Shown;
 use crate::settings::Size;
 use crate::smooth::VertexValues;
 use crate::tone::Tone;
@@ -28,41 +29,32 @@ const BAND_SAMPLES: usize = 1 << 17;
 /// What the surfaces look like.
 #[derive(Clone, Debug)]
 pub enum Shading<'a> {
-    /// One value per patch, W/m^2, and the same as display light.
-    Flat(&'a [Rgb], Vec<Rgb>),
+    /// One value per patch.
+    Flat(&'a [Rgb]),
     /// Interpolated in each patch.
     Smooth(VertexValues),
     /// The irradiance function.
     Function(ShownFunction<'a>),
 }
 
-/// A function of which an affine image is shown: E + rho H, or H itself.
+/// A function of which an affine image is shown, such as E + rho H.
 #[derive(Clone, Debug)]
 pub struct ShownFunction<'a> {
-    scene: &'a Scene,
-    function: &'a IrradianceFunction,
-    /// Whether it is the radiosity that is shown.
-    is_radiosity: bool,
-    /// One per patch, W/m^2, for surfaces that have no other values.
-    means: &'a [Rgb],
+    /// Whose function it is.
+    pub scene: &'a Scene,
+    /// Its mesh.
+    pub function: &'a IrradianceFunction,
+    /// What is linear between vertices, one per vertex, W/m^2.
+    pub values: Vec<Rgb>,
+    /// What is added to that and what it is multiplied by, one per material.
+    pub of_material: Vec<[Rgb; 2]>,
+    /// Which channels are shown.
+    pub shown: Shown,
+    /// What is shown of patches, one per patch, for surfaces that have no vertices.
+    pub means: &'a [Rgb],
 }
 
-impl<'a> ShownFunction<'a> {
-    /// The radiosity or the irradiance by this function; `means` has that of patches, W/m^2.
-    pub fn new(
-        scene: &'a Scene,
-        function: &'a IrradianceFunction,
-        is_radiosity: bool,
-        means: &'a [Rgb],
-    ) -> Self {
-        Self {
-            scene,
-            function,
-            is_radiosity,
-            means,
-        }
-    }
-
+impl ShownFunction<'_> {
     #[inline]
     fn at(&self, front: &Front) -> Rgb {
         let Front {
@@ -71,14 +63,16 @@ impl<'a> ShownFunction<'a> {
             patch,
             ..
         } = *front;
-        let values = self.function.irradiance();
-        match self.function.interpolate(values, surface, barycentric) {
+        match self
+            .function
+            .interpolate(&self.values, surface, barycentric)
+        {
             // Beyond the border by a rounding it may be below 0 by as little.
-            Some(irradiance) if self.is_radiosity => {
-                let material = self.scene.material(self.scene.surface(surface).material);
-                material.emission + material.reflectance * irradiance.max(Rgb::ZERO)
+            Some(irradiance) => {
+                let [more, factor] = self.of_material[self.scene.surface(surface).material.index()];
+                self.shown
+                    .of_channels(more + factor * irradiance.max(Rgb::ZERO))
             }
-            Some(irradiance) => irradiance.max(Rgb::ZERO),
             None => self.means[patch.index()],
         }
     }
@@ -95,27 +89,26 @@ struct Front {
     local: [f32; 3],
 }
 
-impl<'a> Shading<'a> {
-    /// Each patch in its value, W/m^2.
-    pub fn flat(values: &'a [Rgb], tone: &Tone) -> Self {
-        Self::Flat(
-            values,
-            values.par_iter().map(|&v| tone.display_light(v)).collect(),
-        )
-    }
-
-    /// The value where a ray meets a surface, and its display light.
+impl Shading<'_> {
+    /// The value where a ray meets a surface.
     #[inline]
-    fn at(&self, front: &Front, tone: &Tone) -> [Rgb; 2] {
-        let value = match self {
-            Self::Flat(values, lights) => {
-                let patch = front.patch.index();
-                return [values[patch], lights[patch]];
-            }
+    fn at(&self, front: &Front) -> Rgb {
+        match self {
+            Self::Flat(values) => values[front.patch.index()],
             Self::Smooth(values) => values.at(front.patch, front.local),
             Self::Function(function) => function.at(front),
-        };
-        [value, tone.display_light(value)]
+        }
+    }
+
+    /// The same, and its display light, which has been computed for patches of one value each.
+    #[inline]
+    fn light_at(&self, front: &Front, tone: &Tone, of_patches: &[Rgb]) -> [Rgb; 2] {
+        let value = self.at(front);
+        let light = of_patches.get(front.patch.index());
+        [
+            value,
+            light.map_or_else(|| tone.display_light(value), |&light| light),
+        ]
     }
 }
 
@@ -152,6 +145,8 @@ pub struct Light {
     pub linear: Vec<Rgb>,
     /// Mean display light of each pixel.
     pub display: Vec<Rgb>,
+    /// Share of each pixel's rays that met a surface, 0 to 1.
+    pub coverage: Vec<f32>,
 }
 
 /// Takes a picture of light.
@@ -166,6 +161,11 @@ pub fn light(
     let pixels = size.width as usize * size.height as usize;
     let mut linear = vec![Rgb::ZERO; pixels];
     let mut display = vec![Rgb::ZERO; pixels];
+    let mut coverage = vec![0.0; pixels];
+    let of_patches: Vec<Rgb> = match shading {
+        Shading::Flat(values) => values.par_iter().map(|&v| tone.display_light(v)).collect(),
+        Shading::Smooth(_) | Shading::Function(_) => Vec::new(),
+    };
     let mut viewer = Viewer::new(&Arc::new(Drawable::new(scene)));
     let bands = Bands::new(&mut viewer, camera, size, cull, SAMPLES);
     let samples = SAMPLES as usize;
@@ -173,24 +173,73 @@ pub fn light(
     let seen = linear
         .par_chunks_mut(bands.pixels())
         .zip(display.par_chunks_mut(bands.pixels()))
+        .zip(coverage.par_chunks_mut(bands.pixels()))
         .enumerate()
-        .map_init(Canvas::default, |canvas, (band, (linear, display))| {
-            let seen = bands.for_each_front(canvas, band, |pixel, front| {
-                let [value, light] = shading.at(&front, tone);
-                linear[pixel] += value;
-                display[pixel] += light;
-            });
-            for pixel in linear.iter_mut().chain(display.iter_mut()) {
-                *pixel *= share;
-            }
-            seen
-        })
+        .map_init(
+            Canvas::default,
+            |canvas, (band, ((linear, display), coverage))| {
+                let seen = bands.for_each_hit(canvas, band, |pixel, front| {
+                    coverage[pixel] += share;
+                    if let Some(front) = front {
+                        let [value, light] = shading.light_at(&front, tone, &of_patches);
+                        linear[pixel] += value;
+                        display[pixel] += light;
+                    }
+                });
+                for pixel in linear.iter_mut().chain(display.iter_mut()) {
+                    *pixel *= share;
+                }
+                seen
+            },
+        )
         .reduce(Seen::default, Seen::plus);
     Light {
         seen,
         linear,
         display,
+        coverage,
     }
+}
+
+/// What the middle of each pixel of a picture sees, from the front.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Visible {
+    /// The value there.
+    pub value: Rgb,
+    /// Whether it emits.
+    pub is_emitter: bool,
+}
+
+/// What a picture of this size shows, in the order of its pixels.
+pub fn visible(
+    scene: &Scene,
+    camera: &Camera,
+    size: Size,
+    cull: Cull,
+    shading: &Shading,
+) -> Vec<Visible> {
+    let mut viewer = Viewer::new(&Arc::new(Drawable::new(scene)));
+    let bands = Bands::new(&mut viewer, camera, size, cull, 1);
+    let count = (size.height as usize).div_ceil(bands.rows);
+    let of_band = |canvas: &mut Canvas, band| {
+        let mut seen = Vec::new();
+        bands.for_each_hit(canvas, band, |_, front| {
+            seen.extend(front.map(|front| {
+                Visible {
+                    value: shading.at(&front),
+                    is_emitter: scene
+                        .material(scene.surface(front.surface).material)
+                        .is_emitter(),
+                }
+            }));
+        });
+        seen
+    };
+    (0..count)
+        .into_par_iter()
+        .map_init(Canvas::default, of_band)
+        .flatten()
+        .collect()
 }
 
 /// The patch that the middle of each pixel sees, row by row from the top; `None` where there is
@@ -203,7 +252,9 @@ pub fn ids(scene: &Scene, camera: &Camera, size: Size, cull: Cull) -> (Vec<Optio
         .par_chunks_mut(bands.pixels())
         .enumerate()
         .map_init(Canvas::default, |canvas, (band, ids)| {
-            bands.for_each_front(canvas, band, |pixel, front| ids[pixel] = Some(front.patch))
+            bands.for_each_hit(canvas, band, |pixel, front| {
+                ids[pixel] = front.map(|front| front.patch);
+            })
         })
         .reduce(Seen::default, Seen::plus);
     (ids, seen)
@@ -263,12 +314,13 @@ impl<'a> Bands<'a> {
         }
     }
 
-    /// Draws a band, and hands out where each ray meets a surface from the front, with its pixel's index in the band.
-    fn for_each_front(
+    /// Draws a band, and hands out where each ray meets a surface, with its pixel's index in the band; `None` where that is its
+    /// back.
+    fn for_each_hit(
         &self,
         canvas: &mut Canvas,
         band: usize,
-        mut take: impl FnMut(usize, Front),
+        mut take: impl FnMut(usize, Option<Front>),
     ) -> Seen {
         let picture = canvas.draw(&self.view, &self.window(band));
         let mut seen = Seen::default();
@@ -276,23 +328,29 @@ impl<'a> Bands<'a> {
         for j in 0..height {
             let row = (height - 1 - j) / self.samples;
             let pixels = 0..self.width * self.samples;
-            picture.for_each_sample(j, pixels, |i, sample| match sample {
-                Sample::Nothing => {}
-                Sample::BackFace(_) => seen.backs += 1,
-                Sample::Front {
-                    surface,
-                    barycentric,
-                    ..
-                } => {
-                    seen.fronts += 1;
-                    let (patch, local) = self.scene.mesh().locate(surface, barycentric);
-                    let front = Front {
+            picture.for_each_sample(j, pixels, |i, sample| {
+                let pixel = row * self.width + i / self.samples;
+                match sample {
+                    Sample::Nothing => {}
+                    Sample::BackFace(_) => {
+                        seen.backs += 1;
+                        take(pixel, None);
+                    }
+                    Sample::Front {
                         surface,
                         barycentric,
-                        patch,
-                        local,
-                    };
-                    take(row * self.width + i / self.samples, front);
+                        ..
+                    } => {
+                        seen.fronts += 1;
+                        let (patch, local) = self.scene.mesh().locate(surface, barycentric);
+                        let front = Front {
+                            surface,
+                            barycentric,
+                            patch,
+                            local,
+                        };
+                        take(pixel, Some(front));
+                    }
                 }
             });
         }

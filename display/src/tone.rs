@@ -1,4 +1,4 @@
-//! From linear RGB in W/m^2 to what a screen shows.
+//! From linear RGB to what a screen shows.
 //!
 //! Every mode maps a value to *display light*, linear RGB in [0, 1] relative to the screen's white.
 //! The samples of a pixel are averaged as display light, and the average is encoded with the sRGB
@@ -11,6 +11,8 @@
 //!   luminance D just as far as needed, so that luminance is kept and lamps fade into white. (The
 //!   thesis maps each value by a logarithm to the 8 bits it shows, hence a logarithm of encoded
 //!   values here; a logarithm of display light would come out pale.)
+//! - filmic: each channel x, by the scale, as x (2.51 x + 0.03) / (x (2.43 x + 0.59) + 0.14), which a print does to a negative
+//!   (Narkowicz, "ACES filmic tone mapping curve", 2016): what is as bright as the range's high end is at four fifths of white.
 //! - linear: each channel by the scale, clamped. Where nothing is clamped this commutes with
 //!   averaging.
 //! - false-color: the colour at t of viridis (van der Walt and Smith 2015), which is perceptually
@@ -24,7 +26,8 @@
 use scene::Rgb;
 use scene::srgb::{decode, encode};
 
-use crate::scale::{Scale, luminance};
+use crate::luminance::luminance;
+use crate::scale::Scale;
 use crate::settings::{Mode, Range};
 
 /// Entries of the false colours' table: four for each step of 8 bits.
@@ -40,21 +43,22 @@ pub struct Tone {
 #[derive(Clone, Debug)]
 enum Curve {
     Log,
+    Filmic,
     Linear,
     /// Display light, [`COLORS`] entries.
     FalseColor(Vec<Rgb>),
 }
 
 impl Tone {
-    /// The mapping of a mode; [`Mode::Ids`] shows no values and has none.
-    pub fn new(mode: Mode, range: Range) -> Option<Self> {
+    /// The mapping of a mode. [`Mode::Ids`] shows no values, and has that of [`Mode::Linear`].
+    pub fn new(mode: Mode, range: Range) -> Self {
         let (scale, curve) = match mode {
             Mode::Log => (Scale::logarithmic(range), Curve::Log),
-            Mode::Linear => (Scale::linear(range), Curve::Linear),
+            Mode::Filmic => (Scale::linear(range), Curve::Filmic),
+            Mode::Linear | Mode::Ids => (Scale::linear(range), Curve::Linear),
             Mode::FalseColor => (Scale::suiting(range), Curve::FalseColor(false_colors())),
-            Mode::Ids => return None,
         };
-        Some(Self { scale, curve })
+        Self { scale, curve }
     }
 
     /// The scale that luminances are placed on.
@@ -75,6 +79,11 @@ impl Tone {
                     Rgb::ZERO
                 }
             }
+            Curve::Filmic => Rgb::from_array(
+                value
+                    .to_array()
+                    .map(|v| filmic(self.scale.position(f64::from(v)))),
+            ),
             Curve::Linear => Rgb::from_array(
                 value
                     .to_array()
@@ -88,6 +97,7 @@ impl Tone {
     pub fn color_at(&self, position: f64) -> Rgb {
         match &self.curve {
             Curve::Log => Rgb::splat(decode(position.clamp(0.0, 1.0) as f32)),
+            Curve::Filmic => Rgb::splat(filmic(position)),
             Curve::Linear => Rgb::splat(position.clamp(0.0, 1.0) as f32),
             Curve::FalseColor(colors) => {
                 colors[(position.clamp(0.0, 1.0) * (COLORS - 1) as f64).round() as usize]
@@ -106,6 +116,14 @@ fn scaled_to(value: Rgb, luminance: f32, target: f32) -> Rgb {
     // The largest channel exceeds 1 >= target, so the quotient is in [0, 1).
     let saturation = (1.0 - target) / (largest - target);
     Rgb::splat(target) + saturation * (scaled - Rgb::splat(target))
+}
+
+/// Display light of a place on a scale, 0 to 1.
+fn filmic(position: f64) -> f32 {
+    // Beyond 10 all is white, and squares are far from overflow.
+    let x = position.clamp(0.0, 10.0);
+    let light = x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
+    light.min(1.0) as f32
 }
 
 fn false_colors() -> Vec<Rgb> {
@@ -134,13 +152,13 @@ mod tests {
         low: 0.1,
         high: 50.0,
     };
-    const MODES: [Mode; 3] = [Mode::Log, Mode::Linear, Mode::FalseColor];
+    const MODES: [Mode; 4] = [Mode::Log, Mode::Filmic, Mode::Linear, Mode::FalseColor];
 
     /// f32 rounding of some ten operations on values up to 1.
     const ROUNDING: f32 = 10.0 * f32::EPSILON;
 
     fn tone(mode: Mode) -> Tone {
-        Tone::new(mode, RANGE).unwrap()
+        Tone::new(mode, RANGE)
     }
 
     fn any_value() -> impl Strategy<Value = Rgb> {

@@ -19,6 +19,7 @@ const SIZE: Size = Size {
 fn ids_settings() -> RenderSettings {
     RenderSettings {
         mode: Mode::Ids,
+        raw_ids: true,
         size: Some(SIZE),
         ..RenderSettings::default()
     }
@@ -226,6 +227,48 @@ fn default_camera_of_a_solid_is_outside_and_holds_all_of_it() {
             assert!((0.0..80.0).contains(&x) && (0.0..60.0).contains(&y));
         }
     }
+}
+
+/// The margin is a fiftieth of the picture, and pixels are a sixtieth of it.
+#[test]
+fn default_camera_of_a_solid_is_filled_by_it() {
+    for far in [
+        Vec3::new(1.0, 0.5, 3.0),
+        Vec3::new(9.0, -0.9, -0.9),
+        Vec3::new(-0.8, 6.0, -0.8),
+    ] {
+        let mut builder = Builder::default();
+        let material = builder.material(0.5, 0.0);
+        builder.block(Vec3::NEG_ONE, far, material, 0);
+        let scene = builder.scene();
+        let picture = render(&scene, None, &ids_settings()).unwrap();
+        let seen = decode(&picture);
+        let (mut columns, mut rows) = (Vec::new(), Vec::new());
+        for (k, _) in seen.iter().enumerate().filter(|(_, seen)| seen.is_some()) {
+            columns.push(k % SIZE.width as usize);
+            rows.push(k / SIZE.width as usize);
+        }
+        let beside = |places: Vec<usize>, side: u32| {
+            let (low, high) = (places.iter().min().unwrap(), places.iter().max().unwrap());
+            [*low, side as usize - 1 - high]
+        };
+        let beside = [beside(columns, SIZE.width), beside(rows, SIZE.height)];
+        let is_filled = |beside: &[usize; 2]| beside.iter().all(|&pixels| pixels <= 1);
+        assert!(beside.iter().any(is_filled), "{far}: {beside:?}");
+    }
+}
+
+/// A room with so much open that it counts as no room: from outside one would see the backs of its walls.
+#[test]
+fn default_camera_of_a_ruin_is_not_behind_a_wall() {
+    let mut builder = Builder::default();
+    let material = builder.material(0.5, 0.0);
+    // Without a ceiling and two walls that are not opposite.
+    builder.room(Vec3::NEG_ONE, Vec3::ONE, &[1, 3, 5], material, 3);
+    let scene = builder.scene();
+    let picture = render(&scene, None, &ids_settings()).unwrap();
+    let [fronts, backs, _] = shares(&scene, &picture, Cull::Nothing);
+    assert!(fronts > 10.0 * backs, "{fronts} {backs}");
 }
 
 #[test]

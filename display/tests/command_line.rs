@@ -93,6 +93,17 @@ fn wrong_usage_exits_with_2_and_writes_nothing() {
         ("room --out a.png --range 0:2", "more than 0"),
         ("room --out a.png --range nan:2 --mode linear", "finite"),
         ("room --out a.png --range 2", "0.1:50"),
+        ("room --out a.png --raw", "--mode ids"),
+        ("room c --out a.png --contours 5", "no meaning"),
+        ("room --out a.png --contours 5,inf", "finite"),
+        ("room --out a.png --contours many", "many"),
+        ("room --out a.png --channel yellow", "yellow"),
+        (
+            "room --out a.png --luminous --quantity reflectance",
+            "no lumens",
+        ),
+        ("room c --out a.png --range room.rad", "no meaning"),
+        ("room --by colour", "colour"),
         ("room c --out a.png --mode log", "--mode ids"),
         ("room c --out a.png --smooth", "no meaning"),
         ("room c --out a.exr", ".png"),
@@ -158,12 +169,95 @@ fn picture_and_export_are_both_written_and_reported() {
 }
 
 #[test]
+fn a_table_is_printed_and_says_its_units() {
+    let folder = folder();
+    let [out, err] = run(folder.path(), "room --by material --quantity irradiance", 0);
+    assert!(err.is_empty(), "{err}");
+    let headings = "material    patches  area m^2  minimum W/m^2  mean W/m^2  maximum W/m^2  received W  emitted W";
+    assert!(out.starts_with(headings), "{out}");
+    assert_eq!(out.lines().count(), 5, "{out}");
+    let [lumens, _] = run(
+        folder.path(),
+        "room --by object --quantity irradiance --luminous",
+        0,
+    );
+    assert!(
+        lumens.contains("mean lx") && lumens.contains("received lm"),
+        "{lumens}"
+    );
+}
+
+/// A series of pictures of one scene is as bright as the last of them.
+#[test]
+fn the_range_of_another_file_can_be_taken() {
+    let folder = folder();
+    std::fs::copy(folder.path().join("room"), folder.path().join("last.rad")).unwrap();
+    let [own, _] = run(folder.path(), "room --out a.png --size 64x48", 0);
+    let [taken, _] = run(
+        folder.path(),
+        "room --out a.png --size 64x48 --range last.rad",
+        0,
+    );
+    assert_eq!(own, taken);
+    let [_, err] = run(folder.path(), "room --out b.png --range missing.rad", 1);
+    assert!(err.contains("missing.rad: cannot read"), "{err}");
+    assert!(!folder.path().join("b.png").exists());
+}
+
+#[test]
+fn a_picture_of_one_value_says_so() {
+    let folder = folder();
+    let scene = common::closed_cube(2);
+    let solution = common::solution(&scene, |_| scene::Rgb::splat(3.0));
+    scene::file::save(&folder.path().join("furnace"), &scene, Some(&solution)).unwrap();
+    let arguments = "furnace --out a.png --size 64x48 --quantity reflectance";
+    let [_, err] = run(folder.path(), arguments, 0);
+    assert!(
+        err.contains("all that the camera sees has one reflectance, 0.5"),
+        "{err}"
+    );
+}
+
+#[test]
+fn a_transparent_picture_is_so_where_there_is_nothing() {
+    let folder = folder();
+    run(
+        folder.path(),
+        "room --out a.png --size 64x48 --transparent --eye 0,1,30",
+        0,
+    );
+    let picture = image::open(folder.path().join("a.png"))
+        .unwrap()
+        .into_rgba8();
+    let alphas: Vec<u8> = picture.pixels().map(|pixel| pixel.0[3]).collect();
+    assert!(alphas.contains(&0) && alphas.contains(&255));
+    run(
+        folder.path(),
+        "room --out b.png --size 64x48 --eye 0,1,30",
+        0,
+    );
+    let opaque = image::open(folder.path().join("b.png"))
+        .unwrap()
+        .into_rgb8();
+    for (pixel, opaque) in picture.pixels().zip(opaque.pixels()) {
+        if pixel.0[3] == 255 {
+            assert_eq!(pixel.0[..3], opaque.0);
+        }
+    }
+}
+
+#[test]
 fn every_mode_and_format_works_from_the_command_line() {
     let folder = folder();
     for arguments in [
         "room s --out a.png --size 64x48 --mode linear",
         "room --out a.png --size 64x48 --mode false-color --quantity irradiance",
         "room c --out a.png --size 64x48 --cull-back",
+        "room c --out a.png --size 64x48 --raw",
+        "room --out a.png --size 64x48 --mode filmic --channel red",
+        "room --out a.png --size 64x48 --quantity irradiance --luminous --contours 10,100",
+        "room --out a.png --size 64x48 --quantity reflectance --mode linear --transparent",
+        "room --out a.exr --size 64x48 --quantity radiance",
         "room --out a.exr --size 64x48 --mode false-color",
         "room --out a.png --size 64x48 --eye -1,1,4 --look-at -0.5,1,-3 --fov 50 --up y",
         "room --export a.ply",

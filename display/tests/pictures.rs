@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use common::{closed_cube, lit_room, solution};
 use display::scale::luminance;
-use display::{Mode, Quantity, Range, RenderSettings, Size, output, patch_colors, render};
+use display::{Mode, Quantity, Range, RenderSettings, Shown, Size, output, patch_colors, render};
 use image::{DynamicImage, RgbImage};
 use scene::srgb::decode;
 use scene::{PatchId, Rgb};
@@ -44,7 +44,11 @@ fn patches_in_the_picture_have_the_colors_of_the_exports() {
 #[test]
 fn ids_as_colors_are_the_ids() {
     let scene = closed_cube(9);
-    let colors = patch_colors(&scene, None, &settings(Mode::Ids)).unwrap();
+    let settings = RenderSettings {
+        raw_ids: true,
+        ..settings(Mode::Ids)
+    };
+    let colors = patch_colors(&scene, None, &settings).unwrap();
     for (patch, [r, g, b]) in colors.into_iter().enumerate() {
         assert_eq!(
             patch,
@@ -80,7 +84,10 @@ fn irradiance_is_shown_without_reflectance_and_emission() {
     let solution = solution(&scene, |_| Rgb::splat(3.0));
     for (quantity, expected) in [(Quantity::Radiosity, 1.5), (Quantity::Irradiance, 3.0)] {
         let settings = RenderSettings {
-            quantity,
+            shown: Shown {
+                quantity,
+                ..Shown::default()
+            },
             ..settings(Mode::Linear)
         };
         let picture = render(&scene, Some(&solution), &settings).unwrap();
