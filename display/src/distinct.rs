@@ -46,7 +46,7 @@ mod tests {
     use scene::srgb::encode;
 
     use super::*;
-    use crate::scale::luminance;
+    use crate::luminance::luminance;
 
     fn encoded(patch: u32) -> Rgb {
         Rgb::from_array(distinct_color(PatchId(patch)).to_array().map(encode))

@@ -13,6 +13,7 @@ use scene::srgb::decode;
 use crate::luminance::luminance;
 use crate::number;
 use crate::quantity::Shown;
+use crate::scale::Scale;
 use crate::settings::{Range, Size};
 use crate::text::{Canvas, Typeface};
 use crate::ticks::ticks;
@@ -112,8 +113,34 @@ impl Clipped {
     }
 }
 
-/// Draws the legend over the right of a picture.
+/// What a legend explains.
+#[derive(Clone, Copy)]
+pub struct Explained<'a> {
+    /// The lines of its heading, of ten letters at most each.
+    pub heading: &'a [String],
+    /// Where values lie.
+    pub scale: &'a Scale,
+    /// Display light of a place on the scale, 0 to 1.
+    pub color_at: &'a dyn Fn(f64) -> Rgb,
+}
+
+/// Draws the legend of what is shown over the right of a picture.
 pub fn draw(canvas: &mut Canvas, layout: Layout, tone: &Tone, shown: Shown, clipped: Clipped) {
+    let explained = Explained {
+        heading: &heading(shown, tone),
+        scale: tone.scale(),
+        color_at: &|position| tone.color_at(position),
+    };
+    draw_scale(canvas, layout, &explained, clipped);
+}
+
+/// Draws the legend of any scale over the right of a picture.
+pub fn draw_scale(canvas: &mut Canvas, layout: Layout, explained: &Explained, clipped: Clipped) {
+    let &Explained {
+        heading,
+        scale,
+        color_at,
+    } = explained;
     let letter = layout.letter;
     let Some(typeface) = Typeface::new(letter) else {
         return;
@@ -127,7 +154,6 @@ pub fn draw(canvas: &mut Canvas, layout: Layout, tone: &Tone, shown: Shown, clip
         Rgb::splat(decode(PANEL)),
     );
     let left = panel_left as f32 + MARGIN * letter;
-    let heading = heading(shown, tone);
     for (line, text) in heading.iter().enumerate() {
         let middle = (MARGIN + 0.5 + line as f32 * LINE) * letter;
         typeface.draw(canvas, left, middle, text, ink);
@@ -136,7 +162,7 @@ pub fn draw(canvas: &mut Canvas, layout: Layout, tone: &Tone, shown: Shown, clip
     let lines = heading.len() as f32 + 1.0;
     let top = ((MARGIN + lines * LINE + 0.9) * letter).round() as i64;
     let bottom = (height - (MARGIN + LINE) * letter).round() as i64;
-    let range = tone.scale().range();
+    let range = scale.range();
     let ends = number::ends(range);
     for (label, middle) in clipped.labels(range).iter().zip([
         bottom as f32 + (LINE - 0.5) * letter,
@@ -147,12 +173,12 @@ pub fn draw(canvas: &mut Canvas, layout: Layout, tone: &Tone, shown: Shown, clip
     let (bar_left, bar_width) = (left.round() as i64, (BAR * letter).round() as i64);
     for y in top..bottom {
         let position = 1.0 - ((y - top) as f64 + 0.5) / (bottom - top) as f64;
-        canvas.fill([bar_left, y], [bar_width, 1], tone.color_at(position));
+        canvas.fill([bar_left, y], [bar_width, 1], color_at(position));
     }
 
     let thickness = (letter / 12.0).round().max(1.0) as i64;
     let max_labels = ((bottom - top) as f32 / (LABEL_DISTANCE * letter)) as usize;
-    for tick in ticks(tone.scale(), max_labels.max(2)) {
+    for tick in ticks(scale, max_labels.max(2)) {
         // The middle of the line, so that ticks at the ends stay on the bar.
         let length = (bottom - top - thickness) as f64;
         let y = top + ((1.0 - tick.position) * length).round() as i64;
@@ -210,7 +236,7 @@ mod tests {
             let layout = Layout::of_height(height);
             let typeface = Typeface::new(layout.letter).unwrap();
             let room = layout.width as f32 - 2.0 * MARGIN * layout.letter;
-            for heading in ["radiosity", "irradiance", "W/m²"] {
+            for heading in ["radiosity", "irradiance", "difference", "W/m²"] {
                 assert!(typeface.width(heading) <= room, "{heading} at {height}");
             }
             // The longest that ends have where four digits tell them apart.
@@ -218,7 +244,7 @@ mod tests {
                 assert!(typeface.width(end) <= room + 0.8 * layout.letter, "{end}");
             }
             // The longest labels that ticks make of ranges as scenes have them.
-            for label in ["0.005", "50000", "2e-10"] {
+            for label in ["0.005", "50000", "2e-10", "-0.005", "-0.0035"] {
                 let left = (BAR + 0.75) * layout.letter;
                 assert!(
                     left + typeface.width(label) <= room + 0.5 * layout.letter,

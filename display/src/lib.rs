@@ -12,19 +12,26 @@
 //! | [`luminance`], [`range`], [`scale`], [`tone`] | from W/m^2 to display light |
 //! | [`legend`], [`ticks`], [`text`], [`number`] | the false colours' legend |
 //! | [`picture`], [`output`] | the finished picture, and files |
+//! | [`compare`], [`difference`], [`input`] | how far a picture is from another one, as numbers and as a map |
+//! | [`by_position`], [`places`] | how far a solution is from another one, by area |
 
+pub mod by_position;
 pub mod camera;
 pub mod cli;
+pub mod compare;
 pub mod contours;
 pub mod dark;
 pub mod default_camera;
+pub mod difference;
 pub mod distinct;
+pub mod input;
 pub mod kind;
 pub mod legend;
 pub mod luminance;
 pub mod number;
 pub mod output;
 pub mod picture;
+pub mod places;
 pub mod probe;
 pub mod quantity;
 pub mod range;

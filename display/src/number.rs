@@ -27,6 +27,20 @@ pub fn ends(range: Range) -> [String; 2] {
         .unwrap_or_else(|| ends(17))
 }
 
+/// The least number with at most `digits` (1 or more) significant digits that is not below a positive one.
+pub fn rounded_up(value: f64, digits: i32) -> f64 {
+    let exponent = value.log10().floor() as i32 + 1 - digits;
+    // A power of ten in the denominator is exact where 10^-n is not.
+    let units = if exponent >= 0 {
+        value / 10_f64.powi(exponent)
+    } else {
+        value * 10_f64.powi(-exponent)
+    };
+    format!("{}e{exponent}", units.ceil())
+        .parse()
+        .unwrap_or(value)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -44,6 +58,20 @@ mod tests {
             prop_assert!(digits.trim_matches('0').len() <= 4, "{text}");
             // Half a unit of the fourth digit.
             prop_assert!((text.parse::<f64>().unwrap() - value).abs() <= 5.001e-4 * value.abs());
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn numbers_are_rounded_up_by_less_than_a_unit_of_their_last_digit(
+            mantissa in 1.0_f64..10.0, exponent in -45_i32..39
+        ) {
+            let value = mantissa * 10_f64.powi(exponent);
+            let rounded = rounded_up(value, 2);
+            // Within f64 rounding of a few operations.
+            prop_assert!(rounded >= value * (1.0 - 1e-15) && rounded < value * 1.1);
+            let printed = with_digits(rounded, 17);
+            prop_assert!(printed.len() <= "1.2e-45".len(), "{printed}");
         }
     }
 

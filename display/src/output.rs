@@ -5,7 +5,7 @@ use std::path::Path;
 
 use image::codecs::openexr::OpenExrEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder};
+use image::{DynamicImage, ExtendedColorType, ImageEncoder};
 use scene::Rgb;
 use scene::file::{FileError, write_atomically};
 
@@ -13,13 +13,15 @@ use crate::picture::Picture;
 
 /// Writes the mapped picture as PNG, 8 bits a channel, sRGB.
 pub fn save_png(path: &Path, picture: &Picture) -> Result<(), FileError> {
+    save_image(path, &picture.mapped)
+}
+
+/// Writes an image for the eye as PNG.
+pub fn save_image(path: &Path, image: &DynamicImage) -> Result<(), FileError> {
     write_atomically(path, |out| {
         let encoder =
             PngEncoder::new_with_quality(out, CompressionType::Default, FilterType::Adaptive);
-        picture
-            .mapped
-            .write_with_encoder(encoder)
-            .map_err(Error::other)
+        image.write_with_encoder(encoder).map_err(Error::other)
     })
 }
 
