@@ -11,12 +11,17 @@
 //! | [`quantity`], [`shade`], [`smooth`] | the light that a pixel sees |
 //! | [`luminance`], [`range`], [`scale`], [`tone`] | from W/m^2 to display light |
 //! | [`legend`], [`ticks`], [`text`], [`number`] | the false colours' legend |
-//! | [`picture`], [`output`] | the finished picture, and files |
+//! | [`contours`], [`distinct`], [`picture`], [`output`] | the finished picture, and files |
+//! | [`table`] | what objects and materials receive and emit |
 //! | [`compare`], [`difference`], [`input`] | how far a picture is from another one, as numbers and as a map |
 //! | [`by_position`], [`places`] | how far a solution is from another one, by area |
+//! | [`camera_path`], [`spline`], [`animation`] | a camera that moves, and its frames as files |
+//! | [`plot`] | a report of `compute` as charts |
 
+pub mod animation;
 pub mod by_position;
 pub mod camera;
+pub mod camera_path;
 pub mod cli;
 pub mod compare;
 pub mod contours;
@@ -32,6 +37,7 @@ pub mod number;
 pub mod output;
 pub mod picture;
 pub mod places;
+pub mod plot;
 pub mod probe;
 pub mod quantity;
 pub mod range;
@@ -41,6 +47,7 @@ pub mod settings;
 pub mod shade;
 mod shown;
 pub mod smooth;
+pub mod spline;
 pub mod table;
 pub mod text;
 pub mod ticks;
