@@ -8,8 +8,11 @@ use glam::DVec3;
 
 use scene::Axis;
 
+use crate::animation::AnimationFormat;
 use crate::quantity::{Channel, Quantity, Shown};
-use crate::settings::{ExportFormat, ImageFormat, Mode, Range, RenderSettings, Settings, Size};
+use crate::settings::{
+    Comparing, ExportFormat, ImageFormat, Job, Mode, Moving, Range, RenderSettings, Settings, Size,
+};
 use crate::table::Rows;
 
 /// Shows a scene or its solution: pictures and exports, without a graphics card.
@@ -21,12 +24,14 @@ use crate::table::Rows;
 #[expect(clippy::struct_excessive_bools, reason = "switches of a command line")]
 struct Args {
     /// The scene, with or without a solution
-    file: PathBuf,
+    #[arg(required_unless_present = "plot")]
+    file: Option<PathBuf>,
     /// s: like --smooth; c: like --mode ids [default: neither]
     style: Option<Style>,
-    /// Write the picture: .png mapped for the eye, .exr linear in W/m^2 [default: no picture]
+    /// Write the picture: .png mapped for the eye, .exr linear in W/m^2; with --path .png numbered frames, .apng or .gif an
+    /// animation; with --plot .svg [default: no picture]
     #[arg(long, value_name = "IMAGE.png|.exr", value_parser = image_path)]
-    out: Option<(PathBuf, ImageFormat)>,
+    out: Option<(PathBuf, OutFormat)>,
     /// How values become colours [default: log, of errors false-color]
     #[arg(long)]
     mode: Option<ModeArg>,
@@ -91,6 +96,23 @@ struct Args {
     /// emits [default: no table]
     #[arg(long, value_name = "WHAT")]
     by: Option<ByArg>,
+    /// Compare the picture with this one, or with one of this scene: print what differs, and write a map of it to --out
+    /// [default: no comparison]
+    #[arg(long, value_name = "FILE.exr|.rad", conflicts_with_all = ["by", "path", "export"])]
+    compare: Option<PathBuf>,
+    /// Compare only the pixels that are white in this picture [default: those that see a front that does not emit]
+    #[arg(long, value_name = "FILE.png", requires = "compare")]
+    mask: Option<PathBuf>,
+    /// Move the camera through key frames, a line each: seconds, x,y,z of the eye, x,y,z of what it looks at, and the angle of
+    /// view if it changes [default: one picture]
+    #[arg(long, value_name = "FILE", requires = "out", conflicts_with_all = ["eye", "look_at", "transparent"])]
+    path: Option<PathBuf>,
+    /// Frames a second along --path
+    #[arg(long, value_name = "N", default_value_t = 25.0, requires = "path")]
+    fps: f64,
+    /// Draw charts of what compute --report wrote: residuals, errors, time [default: none]
+    #[arg(long, value_name = "REPORT.json", requires = "out", conflicts_with_all = ["file", "compare", "path", "by", "export"])]
+    plot: Option<PathBuf>,
     /// Write the patches: .ply and .glb with the picture's colours, .obj and its .mtl, or .csv with all
     /// values [default: no export]
     #[arg(long, value_name = "FILE.ply|.glb|.obj|.csv", value_parser = export_path)]
@@ -110,6 +132,11 @@ Examples:
   display solved.rad --by object --quantity irradiance   a table of what walls receive
   display after2.rad --out after2.png --range solved.rad
                                                          as bright as a picture of the other file
+  display solved.rad --compare reference.rad --out difference.png
+                                                         both errors, and where it is too bright or too dark
+  display solved.rad --path walk.txt --out walk.gif --size 320x240
+                                                         an animation along key frames
+  display --plot report.json --out report.svg            residuals, errors and time of a run
   display scene.rad c --out ids.png                      the patches, each in a colour of its own
   display solved.rad --export values.csv                 all numbers, one row a patch
 Lengths are in the unit of the model's coordinates; values are in W/m^2, linear RGB. Watts of a whole are the mean of the channels.
@@ -169,14 +196,17 @@ enum AxisArg {
     Z,
 }
 
-/// The settings that the process's arguments ask for; with wrong ones, the usage, and exit 2.
-pub fn parse() -> Settings {
+/// What the process's arguments ask for; with wrong ones, the usage, and exit 2.
+pub fn parse() -> Job {
     let usage = |message| Args::command().error(ErrorKind::ValueValidation, message);
     let checked = |args: Args| {
-        let settings = args.into_settings().map_err(usage)?;
-        match settings.validate() {
-            Ok(()) => Ok(settings),
-            Err(error) => Err(usage(error.to_string())),
+        let job = args.into_job().map_err(usage)?;
+        match &job {
+            Job::Show(settings) => match settings.validate() {
+                Ok(()) => Ok(job),
+                Err(error) => Err(usage(error.to_string())),
+            },
+            Job::Plot { .. } => Ok(job),
         }
     };
     Args::try_parse()
@@ -185,7 +215,7 @@ pub fn parse() -> Settings {
 }
 
 /// Prints help, the version or a usage error, and ends the process.
-fn stop(error: &clap::Error) -> Settings {
+fn stop(error: &clap::Error) -> Job {
     let is_help = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
     if error.use_stderr() && !is_help {
         eprint!("display: ");
@@ -194,6 +224,16 @@ fn stop(error: &clap::Error) -> Settings {
 }
 
 impl Args {
+    fn into_job(mut self) -> Result<Job, String> {
+        let Some(report) = self.plot.take() else {
+            return Ok(Job::Show(Box::new(self.into_settings()?)));
+        };
+        match self.out {
+            Some((out, OutFormat::Chart)) => Ok(Job::Plot { report, out }),
+            _ => Err("charts are written to an .svg; give --out FILE.svg".into()),
+        }
+    }
+
     fn into_settings(self) -> Result<Settings, String> {
         let mode = match (self.style, self.mode) {
             (Some(Style::C), None | Some(ModeArg::Ids)) => ModeArg::Ids,
@@ -209,9 +249,13 @@ impl Args {
             Some(RangeArg::Of(file)) => (None, Some(file)),
             None => (None, None),
         };
+        let (out, moving) = outputs(self.out, self.path.as_ref(), self.fps)?;
+        let mask = self.mask;
         Ok(Settings {
-            input: self.file,
-            out: self.out,
+            input: self.file.unwrap_or_default(),
+            out,
+            moving,
+            comparing: self.compare.map(|with| Comparing { with, mask }),
             export: self.export,
             table: self.by.map(|by| match by {
                 ByArg::Object => Rows::Objects,
@@ -282,11 +326,62 @@ fn with_format<F: Copy>(text: &str, formats: &[(&str, F)]) -> Result<(PathBuf, F
     Err(format!("unknown extension; use {}", names.join(" or ")))
 }
 
-fn image_path(text: &str) -> Result<(PathBuf, ImageFormat), String> {
+/// What is written, by its name.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum OutFormat {
+    Png,
+    Exr,
+    Apng,
+    Gif,
+    Chart,
+}
+
+fn image_path(text: &str) -> Result<(PathBuf, OutFormat), String> {
     with_format(
         text,
-        &[("png", ImageFormat::Png), ("exr", ImageFormat::Exr)],
+        &[
+            ("png", OutFormat::Png),
+            ("exr", OutFormat::Exr),
+            ("apng", OutFormat::Apng),
+            ("gif", OutFormat::Gif),
+            ("svg", OutFormat::Chart),
+        ],
     )
+}
+
+/// A picture or the frames of a path, whichever is asked for.
+#[expect(clippy::type_complexity, reason = "two fields of the settings")]
+fn outputs(
+    out: Option<(PathBuf, OutFormat)>,
+    path: Option<&PathBuf>,
+    frames_per_second: f64,
+) -> Result<(Option<(PathBuf, ImageFormat)>, Option<Moving>), String> {
+    let Some((out, format)) = out else {
+        return Ok((None, None));
+    };
+    let picture = |format| Ok((Some((out.clone(), format)), None));
+    let frames = |path: &PathBuf, format| {
+        let (path, out) = (path.clone(), out.clone());
+        let moving = Moving {
+            path,
+            out,
+            format,
+            frames_per_second,
+        };
+        Ok((None, Some(moving)))
+    };
+    match (format, path) {
+        (OutFormat::Png, None) => picture(ImageFormat::Png),
+        (OutFormat::Exr, None) => picture(ImageFormat::Exr),
+        (OutFormat::Png, Some(path)) => frames(path, AnimationFormat::Numbered),
+        (OutFormat::Apng, Some(path)) => frames(path, AnimationFormat::Apng),
+        (OutFormat::Gif, Some(path)) => frames(path, AnimationFormat::Gif),
+        (OutFormat::Apng | OutFormat::Gif, None) => {
+            Err("an animation needs a path; add --path FILE, or write a .png".into())
+        }
+        (OutFormat::Exr, Some(_)) => Err("frames are .png, .apng or .gif".into()),
+        (OutFormat::Chart, _) => Err("an .svg has the charts of a report; add --plot FILE".into()),
+    }
 }
 
 fn export_path(text: &str) -> Result<(PathBuf, ExportFormat), String> {
@@ -367,7 +462,9 @@ mod tests {
             // What it does stands two spaces behind it.
             let words = example.trim().split("  ").next().unwrap().split(' ');
             let args = Args::try_parse_from(words).unwrap();
-            args.into_settings().unwrap().validate().unwrap();
+            if let Job::Show(settings) = args.into_job().unwrap() {
+                settings.validate().unwrap();
+            }
         }
     }
 

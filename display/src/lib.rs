@@ -24,6 +24,7 @@ pub mod camera;
 pub mod camera_path;
 pub mod cli;
 pub mod compare;
+mod comparing;
 pub mod contours;
 pub mod dark;
 pub mod default_camera;
@@ -33,6 +34,7 @@ pub mod input;
 pub mod kind;
 pub mod legend;
 pub mod luminance;
+mod moving;
 pub mod number;
 pub mod output;
 pub mod picture;
@@ -51,6 +53,7 @@ pub mod spline;
 pub mod table;
 pub mod text;
 pub mod ticks;
+mod told;
 pub mod tone;
 pub mod up;
 
@@ -60,5 +63,6 @@ pub use quantity::{Channel, Quantity, Shown};
 pub use run::run;
 pub use scene::Axis;
 pub use settings::{
-    ExportFormat, ImageFormat, Mode, Range, RenderSettings, Settings, SettingsError, Size,
+    Comparing, ExportFormat, ImageFormat, Job, Mode, Moving, Range, RenderSettings, Settings,
+    SettingsError, Size,
 };

@@ -3,8 +3,8 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let settings = display::cli::parse();
-    match display::run(&settings) {
+    let job = display::cli::parse();
+    match display::run(&job) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("display: error: {error:#}");

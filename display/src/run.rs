@@ -6,14 +6,18 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use scene::{Rgb, Scene, Solution, export};
 
+use crate::comparing::compare;
 use crate::dark;
+use crate::moving::film;
 use crate::number;
 use crate::output::{save_exr, save_png};
 use crate::picture::{Extent, Picture, patch_colors, range_of, render};
+use crate::plot::plot;
 use crate::quantity::{Quantity, Shown};
-use crate::settings::{ExportFormat, ImageFormat, Mode, RenderSettings, Settings};
+use crate::settings::{ExportFormat, ImageFormat, Job, Mode, RenderSettings, Settings};
 use crate::shade::Seen;
 use crate::table::{self, Rows};
+use crate::told::{note, report};
 use crate::tone::Tone;
 
 /// The last residual, dimensionless, from which on a solution is called converged: what is left
@@ -23,8 +27,20 @@ const CONVERGED: f64 = 1e-3;
 /// Luminances that differ by less, relative, are one: a step of 8 bits is 40 times as large.
 const UNIFORM: f64 = 1e-4;
 
-/// Writes the picture and the export that are asked for, and prints a line for each.
-pub fn run(settings: &Settings) -> Result<()> {
+/// Does what is asked for, and prints a line for each file that is written.
+pub fn run(job: &Job) -> Result<()> {
+    match job {
+        Job::Show(settings) => show(settings),
+        Job::Plot { report: of, out } => {
+            plot(of, out)?;
+            report(out, &format!("charts of {}", of.display()));
+            Ok(())
+        }
+    }
+}
+
+/// Writes the picture and the export that are asked for.
+fn show(settings: &Settings) -> Result<()> {
     settings.validate()?;
     let (scene, solution) = scene::file::load(&settings.input)?;
     let named = || settings.input.display().to_string();
@@ -40,7 +56,13 @@ pub fn run(settings: &Settings) -> Result<()> {
     if let Some(trouble) = &trouble {
         note(&format!("{}: {trouble}", settings.input.display()));
     }
-    if let Some((path, format)) = &settings.out {
+    let out = settings.out.as_ref();
+    if let Some(comparing) = &settings.comparing {
+        let map = out.map(|(path, _)| path.as_path());
+        compare(comparing, &scene, solution.as_ref(), render, map).with_context(named)?;
+    } else if let Some(moving) = &settings.moving {
+        film(moving, &scene, solution.as_ref(), render).with_context(named)?;
+    } else if let Some((path, format)) = out {
         let picture = write_picture(path, *format, &scene, solution.as_ref(), render);
         let picture = picture.with_context(named)?;
         // Where something is wrong, that has been told.
@@ -68,7 +90,8 @@ fn shows_solution(settings: &Settings) -> bool {
         Some(ExportFormat::Ply | ExportFormat::Glb) => is_colored,
         Some(ExportFormat::Obj) | None => false,
     };
-    is_exported || settings.table.is_some() || (settings.out.is_some() && is_colored)
+    let is_pictured = settings.out.is_some() || settings.moving.is_some();
+    is_exported || settings.table.is_some() || (is_pictured && is_colored)
 }
 
 /// What keeps a solution from being one, or from showing anything, and what to do.
@@ -150,11 +173,6 @@ fn sight(seen: Seen, culls_backs: bool) -> Option<String> {
     }
 }
 
-/// One line that is no failure.
-fn note(what: &str) {
-    eprintln!("display: note: {what}");
-}
-
 fn write_picture(
     path: &Path,
     format: ImageFormat,
@@ -224,11 +242,6 @@ fn write_export(
         },
     );
     Ok(())
-}
-
-/// One line about a file that was written. Nobody to read it is no failure: the file is there.
-fn report(path: &Path, what: &str) {
-    writeln!(std::io::stdout(), "{}: {what}", path.display()).ok();
 }
 
 /// What to say of a picture that shows one value everywhere, which may be right, as in a furnace.

@@ -6,6 +6,7 @@ use glam::DVec3;
 use scene::Axis;
 use scene::file::is_same_file;
 
+use crate::animation::AnimationFormat;
 use crate::quantity::{Quantity, Shown};
 use crate::table::Rows;
 
@@ -187,7 +188,43 @@ pub enum ExportFormat {
     Csv,
 }
 
-/// Everything `display` is asked to do.
+/// What a picture is compared with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparing {
+    /// A picture (.exr), or another scene and solution.
+    pub with: PathBuf,
+    /// A picture of the pixels that count, which are white.
+    pub mask: Option<PathBuf>,
+}
+
+/// Pictures along a path.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Moving {
+    /// The key frames, see [`crate::camera_path`].
+    pub path: PathBuf,
+    /// Where the frames go.
+    pub out: PathBuf,
+    /// As what.
+    pub format: AnimationFormat,
+    /// How many a second.
+    pub frames_per_second: f64,
+}
+
+/// What the program is asked to do.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Job {
+    /// To show a scene.
+    Show(Box<Settings>),
+    /// To draw charts of a run.
+    Plot {
+        /// What compute reported.
+        report: PathBuf,
+        /// Where the charts go, as SVG.
+        out: PathBuf,
+    },
+}
+
+/// Everything that is asked for of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// The scene, with or without a solution.
@@ -198,6 +235,10 @@ pub struct Settings {
     pub export: Option<(PathBuf, ExportFormat)>,
     /// What a table is printed of.
     pub table: Option<Rows>,
+    /// What the picture is compared with; it is then the map of the difference that is written.
+    pub comparing: Option<Comparing>,
+    /// How the camera moves, and where its frames go.
+    pub moving: Option<Moving>,
     /// A file whose range the picture has, as a series of pictures of one scene does.
     pub range_of: Option<PathBuf>,
     /// What is shown.
@@ -209,7 +250,12 @@ impl Settings {
     pub fn validate(&self) -> Result<(), SettingsError> {
         self.render.validate()?;
         let (image, export) = (self.out.as_ref(), self.export.as_ref());
-        if image.is_none() && export.is_none() && self.table.is_none() {
+        let others = [
+            self.table.is_some(),
+            self.comparing.is_some(),
+            self.moving.is_some(),
+        ];
+        if image.is_none() && export.is_none() && !others.contains(&true) {
             return Err(SettingsError::NothingToDo);
         }
         if self.range_of.is_some() && self.render.mode == Mode::Ids {
@@ -218,9 +264,23 @@ impl Settings {
         if self.render.mode == Mode::Ids && image.is_some_and(|(_, f)| *f == ImageFormat::Exr) {
             return Err(SettingsError::IdsInExr);
         }
-        for path in [image.map(|o| &o.0), export.map(|e| &e.0)]
-            .into_iter()
-            .flatten()
+        if self.comparing.is_some() {
+            if self.render.mode == Mode::Ids {
+                return Err(SettingsError::IdsWith {
+                    option: "--compare",
+                });
+            }
+            if image.is_some_and(|(_, format)| *format == ImageFormat::Exr) {
+                return Err(SettingsError::MapInExr);
+            }
+        }
+        for path in [
+            image.map(|o| &o.0),
+            export.map(|e| &e.0),
+            self.moving.as_ref().map(|moving| &moving.out),
+        ]
+        .into_iter()
+        .flatten()
         {
             if is_same_file(path, &self.input) {
                 return Err(SettingsError::OutputIsInput { path: path.clone() });
@@ -236,7 +296,7 @@ impl Settings {
 pub enum SettingsError {
     #[error(
         "the interactive window does not exist yet; give --out IMAGE.png|.exr for a picture, \
-         --export FILE.ply|.glb|.obj|.csv for the patches or --by object for a table"
+         --export FILE.ply|.glb|.obj|.csv for the patches, --by object for a table or --compare FILE"
     )]
     NothingToDo,
     #[error(
@@ -272,6 +332,8 @@ pub enum SettingsError {
     IdsWith { option: &'static str },
     #[error("an .exr holds unmapped values and no patch IDs; use .png for mode ids")]
     IdsInExr,
+    #[error("the map of a difference is a picture; use .png")]
+    MapInExr,
     #[error("{} is the input; choose another name for the output", path.display())]
     OutputIsInput { path: PathBuf },
 }
