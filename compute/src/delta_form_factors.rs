@@ -46,10 +46,7 @@ impl DeltaFormFactors {
     /// `units_per_hemicube` exactly.
     pub fn new(maps: Maps, resolution: u32, units_per_hemicube: u32) -> Self {
         let size = resolution as usize;
-        let (top, side) = match maps {
-            Maps::Exact => exact(size),
-            Maps::Thesis => thesis(size),
-        };
+        let [top, side] = multipliers(maps, resolution);
         let side_units = (f64::from(units_per_hemicube) * side.iter().sum::<f64>()).round() as u64;
         let top_units = u64::from(units_per_hemicube) - 4 * side_units;
         let (top, side) = (quantise(&top, top_units), quantise(&side, side_units));
@@ -82,6 +79,17 @@ impl DeltaFormFactors {
         let stride = self.resolution as usize + 1;
         &sums[j * stride..][..stride]
     }
+}
+
+/// The multipliers of the top face and of a side, dimensionless, in the layout of [`DeltaFormFactors::face`], before they
+/// become integers. A hemicube sums to 1. The resolution is even and at least 2.
+pub fn multipliers(maps: Maps, resolution: u32) -> [Vec<f64>; 2] {
+    let size = resolution as usize;
+    let (top, side) = match maps {
+        Maps::Exact => exact(size),
+        Maps::Thesis => thesis(size),
+    };
+    [top, side]
 }
 
 /// Sums of the values before each place in rows of `size`, the place after the last included.
