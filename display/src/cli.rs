@@ -6,14 +6,14 @@ use std::str::FromStr;
 use clap::{CommandFactory, Parser, ValueEnum, error::ErrorKind};
 use glam::DVec3;
 
-use scene::Axis;
+use scene::{Axis, PatchId};
 
 use crate::animation::AnimationFormat;
 use crate::quantity::{Channel, Quantity, Shown};
 use crate::settings::{
-    Comparing, ExportFormat, ImageFormat, Job, Mode, Moving, Range, RenderSettings, Settings, Size,
+    Comparing, ExportFormat, ImageFormat, Job, Mode, Moving, Range, RenderSettings, Rows, Settings,
+    Size,
 };
-use crate::table::Rows;
 
 /// Shows a scene or its solution: pictures and exports, without a graphics card.
 ///
@@ -23,8 +23,8 @@ use crate::table::Rows;
 #[command(name = "display", version, arg_required_else_help = true, after_help = EXAMPLES)]
 #[expect(clippy::struct_excessive_bools, reason = "switches of a command line")]
 struct Args {
-    /// The scene, with or without a solution
-    #[arg(required_unless_present = "plot")]
+    /// The scene, with or without a solution [default: none, which --plot and --maps do without]
+    #[arg(required_unless_present_any = ["plot", "maps"])]
     file: Option<PathBuf>,
     /// s: like --smooth; c: like --mode ids [default: neither]
     style: Option<Style>,
@@ -110,6 +110,17 @@ struct Args {
     /// Frames a second along --path
     #[arg(long, value_name = "N", default_value_t = 25.0, requires = "path")]
     fps: f64,
+    /// Show what a patch sees: its hemicube unfolded, as patch IDs, radiosities, delta form factors and their product
+    /// [default: the scene]
+    #[arg(long, value_name = "PATCH", requires = "out", conflicts_with_all = ["compare", "path"])]
+    hemicube: Option<u32>,
+    /// Show the maps that hemicubes' pixels are multiplied by, the exact ones and the thesis's; no FILE is needed
+    /// [default: the scene]
+    #[arg(long, requires = "out", conflicts_with_all = ["file", "compare", "path", "by", "export", "hemicube"])]
+    maps: bool,
+    /// Pixels along the face of a hemicube that is shown, an even number
+    #[arg(long, value_name = "N", default_value_t = 128)]
+    resolution: u32,
     /// Draw charts of what compute --report wrote: residuals, errors, time [default: none]
     #[arg(long, value_name = "REPORT.json", requires = "out", conflicts_with_all = ["file", "compare", "path", "by", "export"])]
     plot: Option<PathBuf>,
@@ -136,6 +147,8 @@ Examples:
                                                          both errors, and where it is too bright or too dark
   display solved.rad --path walk.txt --out walk.gif --size 320x240
                                                          an animation along key frames
+  display solved.rad --hemicube 812 --out sees.png       what patch 812 sees, and what that brings it
+  display --maps --out maps.png                          exact and thesis's multiplier maps
   display --plot report.json --out report.svg            residuals, errors and time of a run
   display scene.rad c --out ids.png                      the patches, each in a colour of its own
   display solved.rad --export values.csv                 all numbers, one row a patch
@@ -206,7 +219,7 @@ pub fn parse() -> Job {
                 Ok(()) => Ok(job),
                 Err(error) => Err(usage(error.to_string())),
             },
-            Job::Plot { .. } => Ok(job),
+            Job::Maps { .. } | Job::Plot { .. } => Ok(job),
         }
     };
     Args::try_parse()
@@ -225,6 +238,15 @@ fn stop(error: &clap::Error) -> Job {
 
 impl Args {
     fn into_job(mut self) -> Result<Job, String> {
+        if self.maps {
+            return match self.out {
+                Some((out, OutFormat::Png)) => Ok(Job::Maps {
+                    resolution: self.resolution,
+                    out,
+                }),
+                _ => Err("the maps are a picture; give --out FILE.png".into()),
+            };
+        }
         let Some(report) = self.plot.take() else {
             return Ok(Job::Show(Box::new(self.into_settings()?)));
         };
@@ -255,6 +277,7 @@ impl Args {
             input: self.file.unwrap_or_default(),
             out,
             moving,
+            hemicube: self.hemicube.map(|patch| (PatchId(patch), self.resolution)),
             comparing: self.compare.map(|with| Comparing { with, mask }),
             export: self.export,
             table: self.by.map(|by| match by {

@@ -75,15 +75,15 @@ mod tests {
         }
     }
 
-    /// Hues of IDs that differ by 1, 2, 3 or 4 are a seventh of a turn apart or more, which in the palest shade is an
-    /// Oklab distance of 2 * 0.07 sin(pi / 7) = 0.06, where a thirtieth of it can just be told apart; some channel has an
-    /// eighth of the codes between them in all but the palest.
+    /// Hues of IDs that differ by 1, 2, 3 or 4 are a seventh of a turn apart or more. In the palest shade that is an Oklab
+    /// distance of 2 * 0.07 sin(pi / 7) = 0.06, three times what can just be told apart, and at least as much in some
+    /// channel's code, since these are steeper than Oklab's coordinates where colours are light.
     #[test]
     fn patches_with_near_ids_have_colours_far_apart() {
         for patch in some_patches() {
             for step in 1..=4 {
                 let difference = (encoded(patch) - encoded(patch + step)).abs().max_element();
-                assert!(difference > 0.07, "{patch} + {step}: {difference}");
+                assert!(difference > 0.06, "{patch} + {step}: {difference}");
             }
         }
     }

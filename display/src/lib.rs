@@ -17,6 +17,8 @@
 //! | [`by_position`], [`places`] | how far a solution is from another one, by area |
 //! | [`camera_path`], [`spline`], [`animation`] | a camera that moves, and its frames as files |
 //! | [`plot`] | a report of `compute` as charts |
+//! | [`hemicube`], [`unfolding`], [`multipliers`] | what a patch sees, and how much of it counts |
+//! | [`hemicube_picture`], [`maps_picture`], [`panels`] | that as pictures |
 
 pub mod animation;
 pub mod by_position;
@@ -30,13 +32,18 @@ pub mod dark;
 pub mod default_camera;
 pub mod difference;
 pub mod distinct;
+pub mod hemicube;
+pub mod hemicube_picture;
 pub mod input;
 pub mod kind;
 pub mod legend;
 pub mod luminance;
+pub mod maps_picture;
 mod moving;
+pub mod multipliers;
 pub mod number;
 pub mod output;
+pub mod panels;
 pub mod picture;
 pub mod places;
 pub mod plot;
@@ -55,6 +62,7 @@ pub mod text;
 pub mod ticks;
 mod told;
 pub mod tone;
+pub mod unfolding;
 pub mod up;
 
 pub use camera::Camera;

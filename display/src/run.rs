@@ -4,19 +4,21 @@ use std::io::Write;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use scene::{Rgb, Scene, Solution, export};
+use scene::{PatchId, Rgb, Scene, Solution, export};
 
 use crate::comparing::compare;
 use crate::dark;
+use crate::hemicube_picture::{self, HemicubeSettings};
+use crate::maps_picture::maps_picture;
 use crate::moving::film;
 use crate::number;
-use crate::output::{save_exr, save_png};
+use crate::output::{save_exr, save_image, save_png};
 use crate::picture::{Extent, Picture, patch_colors, range_of, render};
 use crate::plot::plot;
 use crate::quantity::{Quantity, Shown};
-use crate::settings::{ExportFormat, ImageFormat, Job, Mode, RenderSettings, Settings};
+use crate::settings::{ExportFormat, ImageFormat, Job, Mode, RenderSettings, Rows, Settings};
 use crate::shade::Seen;
-use crate::table::{self, Rows};
+use crate::table;
 use crate::told::{note, report};
 use crate::tone::Tone;
 
@@ -31,6 +33,16 @@ const UNIFORM: f64 = 1e-4;
 pub fn run(job: &Job) -> Result<()> {
     match job {
         Job::Show(settings) => show(settings),
+        Job::Maps { resolution, out } => {
+            let image = maps_picture(*resolution)?;
+            let size = format!("{}x{}", image.width(), image.height());
+            save_image(out, &image.into())?;
+            report(
+                out,
+                &format!("{size}, multiplier maps of {resolution} pixels"),
+            );
+            Ok(())
+        }
         Job::Plot { report: of, out } => {
             plot(of, out)?;
             report(out, &format!("charts of {}", of.display()));
@@ -60,6 +72,9 @@ fn show(settings: &Settings) -> Result<()> {
     if let Some(comparing) = &settings.comparing {
         let map = out.map(|(path, _)| path.as_path());
         compare(comparing, &scene, solution.as_ref(), render, map).with_context(named)?;
+    } else if let (Some((patch, resolution)), Some((path, _))) = (settings.hemicube, out) {
+        write_hemicube(path, (patch, resolution), &scene, solution.as_ref(), render)
+            .with_context(named)?;
     } else if let Some(moving) = &settings.moving {
         film(moving, &scene, solution.as_ref(), render).with_context(named)?;
     } else if let Some((path, format)) = out {
@@ -214,6 +229,39 @@ fn write_picture(
     };
     report(path, &format!("{width}x{height}, {description}"));
     Ok(picture)
+}
+
+/// Writes what a patch sees.
+fn write_hemicube(
+    path: &Path,
+    (patch, resolution): (PatchId, u32),
+    scene: &Scene,
+    solution: Option<&Solution>,
+    settings: &RenderSettings,
+) -> Result<()> {
+    let settings = HemicubeSettings {
+        resolution,
+        mode: settings.mode,
+        range: settings.range,
+        flat: settings.flat,
+        ..HemicubeSettings::default()
+    };
+    let picture = hemicube_picture::render(scene, solution, patch, &settings)?;
+    let size = format!("{}x{}", picture.image.width(), picture.image.height());
+    save_image(path, &picture.image.into())?;
+    let irradiance = picture
+        .irradiance
+        .to_array()
+        .map(|h| number::with_digits(f64::from(h), 4));
+    let [r, g, b] = irradiance;
+    report(
+        path,
+        &format!(
+            "{size}, what patch {} sees: irradiance {r}, {g}, {b} W/m^2",
+            patch.0
+        ),
+    );
+    Ok(())
 }
 
 fn write_export(

@@ -3,12 +3,11 @@
 use std::path::PathBuf;
 
 use glam::DVec3;
-use scene::Axis;
 use scene::file::is_same_file;
+use scene::{Axis, PatchId};
 
 use crate::animation::AnimationFormat;
 use crate::quantity::{Quantity, Shown};
-use crate::table::Rows;
 
 /// The longest side of a picture, pixels.
 pub const MAX_SIDE: u32 = 16_384;
@@ -188,6 +187,15 @@ pub enum ExportFormat {
     Csv,
 }
 
+/// What a table has a row of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rows {
+    /// An object of the scene.
+    Objects,
+    /// A material.
+    Materials,
+}
+
 /// What a picture is compared with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparing {
@@ -215,6 +223,13 @@ pub struct Moving {
 pub enum Job {
     /// To show a scene.
     Show(Box<Settings>),
+    /// To draw the multiplier maps.
+    Maps {
+        /// Pixels along a hemicube's face.
+        resolution: u32,
+        /// Where the picture goes.
+        out: PathBuf,
+    },
     /// To draw charts of a run.
     Plot {
         /// What compute reported.
@@ -239,6 +254,8 @@ pub struct Settings {
     pub comparing: Option<Comparing>,
     /// How the camera moves, and where its frames go.
     pub moving: Option<Moving>,
+    /// The patch whose hemicube the picture shows, and pixels along its face.
+    pub hemicube: Option<(PatchId, u32)>,
     /// A file whose range the picture has, as a series of pictures of one scene does.
     pub range_of: Option<PathBuf>,
     /// What is shown.
@@ -263,6 +280,16 @@ impl Settings {
         }
         if self.render.mode == Mode::Ids && image.is_some_and(|(_, f)| *f == ImageFormat::Exr) {
             return Err(SettingsError::IdsInExr);
+        }
+        if self.hemicube.is_some() {
+            if self.render.mode == Mode::Ids {
+                return Err(SettingsError::IdsWith {
+                    option: "--hemicube",
+                });
+            }
+            if image.is_some_and(|(_, format)| *format == ImageFormat::Exr) {
+                return Err(SettingsError::HemicubeInExr);
+            }
         }
         if self.comparing.is_some() {
             if self.render.mode == Mode::Ids {
@@ -332,6 +359,8 @@ pub enum SettingsError {
     IdsWith { option: &'static str },
     #[error("an .exr holds unmapped values and no patch IDs; use .png for mode ids")]
     IdsInExr,
+    #[error("a hemicube's four panels are a picture; use .png")]
+    HemicubeInExr,
     #[error("the map of a difference is a picture; use .png")]
     MapInExr,
     #[error("{} is the input; choose another name for the output", path.display())]

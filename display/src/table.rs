@@ -8,18 +8,10 @@ use scene::{Rgb, Scene, Solution};
 use crate::luminance::luminance;
 use crate::number::with_digits;
 use crate::quantity::{LUMENS_PER_WATT, Shown};
+use crate::settings::Rows;
 
 /// Digits of a number.
 const DIGITS: usize = 4;
-
-/// What a table has a row of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rows {
-    /// An object of the scene.
-    Objects,
-    /// A material.
-    Materials,
-}
 
 /// A row.
 #[derive(Clone, Debug, PartialEq)]

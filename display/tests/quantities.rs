@@ -7,7 +7,8 @@ use compute::Solve;
 use compute::settings::{BackendChoice, Quality};
 use display::quantity::LUMENS_PER_WATT;
 use display::scale::luminance;
-use display::table::{self, Rows};
+use display::settings::Rows;
+use display::table;
 use display::{Channel, Mode, Quantity, RenderSettings, SettingsError, Shown, Size, render};
 use scene::{Rgb, Scene, Solution};
 
