@@ -1,13 +1,15 @@
 //! Contours: lines of one luminance on surfaces.
 //!
 //! A contour runs between two neighbouring pixels whose luminances lie on either side of a level, if both see one plane of one
-//! material: over an edge the light jumps, and there is no line to be drawn.
+//! material: over an edge the light jumps, and there is no line to be drawn. So it is what pixels see in their middle that counts, not
+//! their mean, which at an edge is neither side's.
 
 use glam::{DVec3, Vec3};
 use scene::{PatchId, Rgb, Scene, Surface};
 
 use crate::luminance::luminance;
 use crate::settings::Size;
+use crate::shade::Middle;
 
 /// Rows of a picture for each pixel of a line's width.
 const ROWS_PER_WIDTH: u32 = 500;
@@ -19,17 +21,16 @@ const SAME_PLANE: f64 = 1e-4;
 /// Display luminance above which a line is black, and below it white: half of the codes.
 const DARK_INK_FROM: f32 = 0.214;
 
-/// Draws contours at these levels over the pixels of a view, which are display light, linear RGB. `values` has what is shown, `ids`
-/// the patch in the middle of each pixel, both row by row.
+/// Draws contours at these levels over the pixels of a view, which are display light, linear RGB. `middles` has what each of them
+/// sees.
 pub fn draw(
     pixels: &mut [Rgb],
     scene: &Scene,
     size: Size,
-    values: &[Rgb],
-    ids: &[Option<PatchId>],
+    middles: &[Option<Middle>],
     levels: &[f64],
 ) {
-    let is_on_line = lines(scene, size, values, ids, levels);
+    let is_on_line = lines(scene, size, middles, levels);
     for (pixel, is_on_line) in pixels.iter_mut().zip(is_on_line) {
         if is_on_line {
             let is_bright = luminance(*pixel) > DARK_INK_FROM;
@@ -39,27 +40,26 @@ pub fn draw(
 }
 
 /// Which pixels lie on a line.
-fn lines(
-    scene: &Scene,
-    size: Size,
-    values: &[Rgb],
-    ids: &[Option<PatchId>],
-    levels: &[f64],
-) -> Vec<bool> {
+fn lines(scene: &Scene, size: Size, middles: &[Option<Middle>], levels: &[f64]) -> Vec<bool> {
     let (width, height) = (size.width as usize, size.height as usize);
     let planes = Planes::new(scene);
     let mut is_on_line = vec![false; width * height];
     let reach = (size.height / ROWS_PER_WIDTH) as usize;
-    let above = |pixel: usize, level: f64| f64::from(luminance(values[pixel])) >= level;
     for y in 0..height {
         for x in 0..width {
             let here = y * width + x;
             let right = (x + 1 < width).then_some(here + 1);
             let below = (y + 1 < height).then_some(here + width);
             for there in [right, below].into_iter().flatten() {
-                let is_one_plane = planes.are_one(ids[here], ids[there]);
-                let crosses = |&level: &f64| above(here, level) != above(there, level);
-                if !is_one_plane || !levels.iter().any(crosses) {
+                let (Some(a), Some(b)) = (middles[here], middles[there]) else {
+                    continue;
+                };
+                let [least, most] = {
+                    let [a, b] = [a, b].map(|middle| f64::from(luminance(middle.value)));
+                    [a.min(b), a.max(b)]
+                };
+                let crosses = |&level: &f64| least < level && level <= most;
+                if !levels.iter().any(crosses) || !planes.are_one(a.patch, b.patch) {
                     continue;
                 }
                 for y in y..=(y + reach).min(height - 1) {
@@ -91,10 +91,7 @@ impl<'a> Planes<'a> {
         }
     }
 
-    fn are_one(&self, a: Option<PatchId>, b: Option<PatchId>) -> bool {
-        let (Some(a), Some(b)) = (a, b) else {
-            return false;
-        };
+    fn are_one(&self, a: PatchId, b: PatchId) -> bool {
         let [a, b] = [a, b].map(|patch| self.scene.mesh().surface_of(patch));
         if a == b {
             return true;
@@ -153,9 +150,13 @@ mod tests {
 
     /// Of four pixels two see the first triangle and two the second one, which is twice as bright.
     fn lines_of(scene: &Scene, levels: &[f64]) -> Vec<bool> {
-        let values = [1.0, 1.0, 2.0, 2.0].map(Rgb::splat);
-        let ids = [0, 0, 1, 1].map(|patch| Some(PatchId(patch)));
-        lines(scene, SIZE, &values, &ids, levels)
+        let middle = |patch| {
+            Some(Middle {
+                patch: PatchId(patch),
+                value: Rgb::splat((patch + 1) as f32),
+            })
+        };
+        lines(scene, SIZE, &[0, 0, 1, 1].map(middle), levels)
     }
 
     #[test]
@@ -173,8 +174,11 @@ mod tests {
 
     #[test]
     fn what_is_not_seen_has_no_lines() {
-        let scene = scene(false);
-        let values = [1.0, 2.0, 1.0, 2.0].map(Rgb::splat);
-        assert_eq!(lines(&scene, SIZE, &values, &[None; 4], &[1.5]), [false; 4]);
+        let middle = Middle {
+            patch: PatchId(0),
+            value: Rgb::ONE,
+        };
+        let middles = [Some(middle), None, Some(middle), None];
+        assert_eq!(lines(&scene(false), SIZE, &middles, &[0.5]), [false; 4]);
     }
 }

@@ -129,8 +129,8 @@ pub fn render(
         coverage,
     } = light;
     if !settings.contours.is_empty() {
-        let (ids, _) = shade::ids(scene, &camera, view, cull);
-        contours::draw(&mut display, scene, view, &linear, &ids, &settings.contours);
+        let middles = shade::middles(scene, &camera, view, cull, &shading);
+        contours::draw(&mut display, scene, view, &middles, &settings.contours);
     }
     let mut pixels = widened(display, view, size);
     if settings.mode == Mode::FalseColor

@@ -242,6 +242,40 @@ pub fn visible(
         .collect()
 }
 
+/// What the middle of a pixel sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Middle {
+    /// The patch there.
+    pub patch: PatchId,
+    /// The value there.
+    pub value: Rgb,
+}
+
+/// What the middle of each pixel sees from the front, row by row from the top; `None` where that is nothing.
+pub fn middles(
+    scene: &Scene,
+    camera: &Camera,
+    size: Size,
+    cull: Cull,
+    shading: &Shading,
+) -> Vec<Option<Middle>> {
+    let mut middles = vec![None; size.width as usize * size.height as usize];
+    let mut viewer = Viewer::new(&Arc::new(Drawable::new(scene)));
+    let bands = Bands::new(&mut viewer, camera, size, cull, 1);
+    middles
+        .par_chunks_mut(bands.pixels())
+        .enumerate()
+        .for_each_init(Canvas::default, |canvas, (band, middles)| {
+            bands.for_each_hit(canvas, band, |pixel, front| {
+                middles[pixel] = front.map(|front| Middle {
+                    patch: front.patch,
+                    value: shading.at(&front),
+                });
+            });
+        });
+    middles
+}
+
 /// The patch that the middle of each pixel sees, row by row from the top; `None` where there is
 /// none or the back of one. And what these rays met.
 pub fn ids(scene: &Scene, camera: &Camera, size: Size, cull: Cull) -> (Vec<Option<PatchId>>, Seen) {
