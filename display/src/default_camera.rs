@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use rayon::prelude::*;
-use scene::Scene;
+use scene::{Scene, Surface};
 use visibility::{Cull, Drawable, Sample, Window};
 
 use crate::camera::Camera;
@@ -177,7 +177,8 @@ fn outside(scene: &Scene, wishes: &Wishes) -> (Framing, f64) {
     (framing, scores[best] / 100.0)
 }
 
-/// The camera with the same directions whose picture is filled by the scene, but for a margin.
+/// The camera with the same directions whose picture is filled by the scene, but for a margin. Where something reflects, that is
+/// the scene: a sky may be many times as large.
 ///
 /// A point p is within the left and the right side of a picture seen from e if |(p - e) . right| <= w (p - e) . forward, w the half
 /// width at distance 1. So e . right - w e . forward is at least the largest p . right - w p . forward, and -e . right -
@@ -187,7 +188,13 @@ fn filled_by(scene: &Scene, camera: Camera, aspect: f64) -> Camera {
     let high = camera.half_height() / (1.0 + MARGIN);
     let sides = [(camera.right, high * aspect), (camera.up, high)];
     let mut reach = [[f64::NEG_INFINITY; 2]; 2];
-    for corner in scene.surfaces().iter().flat_map(|surface| surface.corners) {
+    let reflects = |surface: &&Surface| !scene.material(surface.material).is_emitter();
+    let all_emit = !scene.surfaces().iter().any(|surface| reflects(&surface));
+    let surfaces = scene
+        .surfaces()
+        .iter()
+        .filter(|surface| all_emit || reflects(surface));
+    for corner in surfaces.flat_map(|surface| surface.corners) {
         let corner = corner.as_dvec3();
         let depth = corner.dot(camera.forward);
         for ([plus, minus], (axis, half)) in reach.iter_mut().zip(sides) {
@@ -312,7 +319,7 @@ impl<'a> Critic<'a> {
         Self {
             scene,
             area: scene.area(),
-            lamp_area: lamps.map(scene::Surface::area).sum(),
+            lamp_area: lamps.map(Surface::area).sum(),
             close: CLOSE * half.length(),
             most_backs,
         }

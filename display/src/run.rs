@@ -16,7 +16,9 @@ use crate::output::{save_exr, save_image, save_png};
 use crate::picture::{Extent, Picture, patch_colors, range_of, render};
 use crate::plot::plot;
 use crate::quantity::{Quantity, Shown};
-use crate::settings::{ExportFormat, ImageFormat, Job, Mode, RenderSettings, Rows, Settings};
+use crate::settings::{
+    ExportFormat, ImageFormat, Job, Mode, RenderSettings, Rows, Settings, SettingsError,
+};
 use crate::shade::Seen;
 use crate::table;
 use crate::told::{note, report};
@@ -55,7 +57,7 @@ pub fn run(job: &Job) -> Result<()> {
 fn show(settings: &Settings) -> Result<()> {
     settings.validate()?;
     let (scene, solution) = scene::file::load(&settings.input)?;
-    let named = || settings.input.display().to_string();
+    let naming = |error| naming(error, &settings.input);
     let mut render = settings.render.clone();
     if let Some(path) = &settings.range_of {
         let (scene, solution) = scene::file::load(path)?;
@@ -71,15 +73,15 @@ fn show(settings: &Settings) -> Result<()> {
     let out = settings.out.as_ref();
     if let Some(comparing) = &settings.comparing {
         let map = out.map(|(path, _)| path.as_path());
-        compare(comparing, &scene, solution.as_ref(), render, map).with_context(named)?;
+        compare(comparing, &scene, solution.as_ref(), render, map).map_err(naming)?;
     } else if let (Some((patch, resolution)), Some((path, _))) = (settings.hemicube, out) {
         write_hemicube(path, (patch, resolution), &scene, solution.as_ref(), render)
-            .with_context(named)?;
+            .map_err(naming)?;
     } else if let Some(moving) = &settings.moving {
-        film(moving, &scene, solution.as_ref(), render).with_context(named)?;
+        film(moving, &scene, solution.as_ref(), render).map_err(naming)?;
     } else if let Some((path, format)) = out {
         let picture = write_picture(path, *format, &scene, solution.as_ref(), render);
-        let picture = picture.with_context(named)?;
+        let picture = picture.map_err(naming)?;
         // Where something is wrong, that has been told.
         if trouble.is_none()
             && let Some(told) = uniform(&picture, render)
@@ -91,9 +93,18 @@ fn show(settings: &Settings) -> Result<()> {
         write_export(path, *format, &scene, solution.as_ref(), render)?;
     }
     if let Some(by) = settings.table {
-        print_table(by, &scene, solution.as_ref(), render).with_context(named)?;
+        print_table(by, &scene, solution.as_ref(), render).map_err(naming)?;
     }
     Ok(())
+}
+
+/// The same error, which names the input where that is not what is asked of it; others name their files.
+fn naming(error: anyhow::Error, input: &Path) -> anyhow::Error {
+    if error.is::<SettingsError>() {
+        error.context(input.display().to_string())
+    } else {
+        error
+    }
 }
 
 /// Whether something of what is asked for comes from the solution.
