@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
-use scene::Scene;
+use scene::{Scene, Solution};
 use serde::Serialize;
 
 use crate::backend::Trial;
@@ -75,6 +75,9 @@ pub struct Report {
     pub certificate: Certificate,
     /// What the irradiance function came to; null where none was asked for.
     pub function: Option<FunctionReport>,
+    /// The names of the layers that the light was taken apart into; left out where none were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub layers: Option<Vec<String>>,
     /// How near view factors are; left out where no error was asked of them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view_factors: Option<ViewFactorsReport>,
@@ -193,6 +196,7 @@ impl Report {
             back_face_share: solved.back_face_share,
             certificate: solved.certificate().clone(),
             function: solved.function,
+            layers: settings.layers.map(|_| layer_names(solution)),
             view_factors: None,
             error_line: solved.function.map(|function| function.describe(scene)),
             stopped_by: solved.stopped_by,
@@ -319,6 +323,13 @@ impl Report {
             .residuals
             .last()
             .map_or_else(|| "none".to_owned(), |residual| format!("{residual:.2e}"));
+        if let Some(layers) = &self.layers {
+            lines.push(if layers.is_empty() {
+                "layers         none: what they are of came to no end, or patches gathered from coarser sources".to_owned()
+            } else {
+                format!("layers         {}: {}", layers.len(), layers.join(", "))
+            });
+        }
         if let Some(shots) = self.start_up_shots {
             lines.push(format!(
                 "start-up       {shots} shots, to be seen until the first iteration ends"
@@ -353,6 +364,11 @@ impl Report {
         }
         lines.join("\n")
     }
+}
+
+fn layer_names(solution: &Solution) -> Vec<String> {
+    let layers = solution.layers.iter().flat_map(|layers| &layers.layers);
+    layers.map(|layer| layer.name.clone()).collect()
 }
 
 /// What was solved among, where it is coarser than the patches.

@@ -11,6 +11,7 @@ use std::str::FromStr;
 use std::time::Duration;
 
 use scene::RecordedSettings;
+use scene::layers::LayerKind;
 
 use serde::{Serialize, Serializer};
 use serde_json::json;
@@ -367,6 +368,8 @@ pub struct SolveSettings {
     pub all_rows: bool,
     /// The error that is asked for; `None` where there is no irradiance function, and nobody asks for the error of patches' means.
     pub target: Option<Target>,
+    /// What the light is taken apart into in the end.
+    pub layers: Option<LayerKind>,
 }
 
 /// As a run has it by `--quality mesh`.
@@ -381,6 +384,7 @@ impl Default for SolveSettings {
             checkpoint_every: Duration::from_mins(1),
             all_rows: false,
             target: None,
+            layers: None,
         }
     }
 }

@@ -23,7 +23,10 @@ impl<'a> StandIn<'a> {
             return None;
         }
         let max_area = area_of_function_sources(original, target);
-        let walls = Walls::of(original, max_area).map(Self::Walls);
+        // A wall may be of two lamps.
+        let is_apart = settings.layers.is_some();
+        let walls = (!is_apart).then(|| Walls::of(original, max_area)).flatten();
+        let walls = walls.map(Self::Walls);
         let stand_in = walls.or_else(|| Finer::of(original, max_area).map(Self::Finer));
         Some((stand_in?, target))
     }

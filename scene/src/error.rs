@@ -74,6 +74,12 @@ pub enum SceneError {
     VertexValues { values: usize, vertices: u32 },
     #[error("vertex {vertex}: {value} W/m^2 is no irradiance (finite, >= 0)")]
     VertexValue { vertex: u32, value: f32 },
+    #[error("layer \"{layer}\" has not one value a patch and one a vertex")]
+    LayerLength { layer: String },
+    #[error("layer \"{layer}\": {value} W/m^2 is no irradiance (finite, >= 0)")]
+    LayerValue { layer: String, value: f32 },
+    #[error("each of the {count} layers needs a finite factor of at least 0")]
+    LayerFactors { count: usize },
     #[error("patch {patch}: {value} W/m^2 is no error of a radiosity (finite, >= 0)")]
     PatchError { patch: u32, value: f32 },
     #[error("the solution has {errors} estimates of errors, the scene has {patches} patches")]

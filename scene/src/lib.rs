@@ -16,6 +16,7 @@ pub mod function;
 pub mod gltf;
 mod ids;
 pub mod import;
+pub mod layers;
 mod material;
 mod mesh;
 pub mod obj;

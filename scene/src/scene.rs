@@ -166,6 +166,30 @@ impl Scene {
         Self::new(materials, objects, surfaces, &depths, origin)
     }
 
+    /// The same scene with other materials, and of which each surface is.
+    pub(crate) fn with_materials(
+        &self,
+        materials: Vec<Material>,
+        of_surface: impl Fn(SurfaceId) -> MaterialId,
+    ) -> Result<Self, SceneError> {
+        for material in &materials {
+            material.validate()?;
+        }
+        let mut scene = self.clone();
+        scene.materials = materials;
+        for (index, surface) in (0..).map(SurfaceId).zip(&mut scene.surfaces) {
+            surface.material = of_surface(index);
+            if surface.material.index() >= scene.materials.len() {
+                return Err(SceneError::MaterialIndex {
+                    surface: index.0,
+                    material: surface.material.0,
+                    count: scene.materials.len(),
+                });
+            }
+        }
+        Ok(scene)
+    }
+
     /// The same scene, whose surfaces are these triangles of an imported file, one per surface, in surface order: polygons
     /// are cut, and all triangles counted from 0 in file order, those too that are no surface for want of area.
     pub fn with_faces(self, faces: Vec<u32>) -> Result<Self, SceneError> {

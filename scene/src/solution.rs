@@ -7,6 +7,7 @@
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::function::IrradianceFunction;
+use crate::layers::Layers;
 use crate::{PatchId, RecordedSettings, Rgb, Scene, SceneError};
 
 /// How a solution was made.
@@ -125,6 +126,8 @@ pub struct Solution {
     pub state: State,
     /// The irradiance between the patches' means, where it was gathered.
     pub function: Option<IrradianceFunction>,
+    /// Parts of the light, where they were asked for.
+    pub layers: Option<Layers>,
 }
 
 impl Solution {
@@ -135,6 +138,7 @@ impl Solution {
             provenance: Provenance::default(),
             state: State::AtRest,
             function: None,
+            layers: None,
         }
     }
 
@@ -167,6 +171,9 @@ impl Solution {
             Ok(())
         };
         check(&self.irradiance, true, 0.0)?;
+        if let Some(layers) = &self.layers {
+            layers.validate(scene, self.function.as_ref())?;
+        }
         let errors = self.error().map_or(0, <[f32]>::len);
         if errors != 0 && errors != patches as usize {
             return Err(SceneError::ErrorLength { errors, patches });

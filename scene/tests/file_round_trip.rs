@@ -8,6 +8,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use scene::file::{from_bytes, load, save, to_bytes};
 use scene::function::{IrradianceFunction, NodeId, Refinement};
+use scene::layers::{Lamp, Layer, LayerKind, Layers};
 use scene::{
     Level, Material, MaterialId, ObjectId, Opening, PatchId, Provenance, RecordedSettings, Rgb,
     Scene, Solution, State, Surface,
@@ -139,7 +140,6 @@ fn any_solution(scene: &Scene) -> impl Strategy<Value = Solution> + use<> {
     )
         .prop_map(
             |(irradiance, state, settings, iterations, level, residuals, function)| Solution {
-                irradiance,
                 provenance: Provenance {
                     settings: settings.map(|settings| RecordedSettings::new(&settings)),
                     iterations,
@@ -148,9 +148,31 @@ fn any_solution(scene: &Scene) -> impl Strategy<Value = Solution> + use<> {
                     start_up_shots: iterations / 2,
                 },
                 state,
+                layers: Some(layers_of(&irradiance, function.as_ref())),
+                irradiance,
                 function,
             },
         )
+}
+
+/// Two layers with values of the solution.
+fn layers_of(irradiance: &[Rgb], function: Option<&IrradianceFunction>) -> Layers {
+    let layer = |name: &str, lamp, factor: f32| Layer {
+        name: name.to_owned(),
+        lamp: Some(lamp),
+        irradiance: irradiance.iter().map(|&h| factor * h).collect(),
+        vertices: function.map_or_else(Vec::new, |function| {
+            let values = function.irradiance().iter().zip(function.direct());
+            values.map(|(&h, &direct)| [h, factor * direct]).collect()
+        }),
+    };
+    Layers {
+        kind: LayerKind::Lamps,
+        layers: vec![
+            layer("a \"lamp\"", Lamp::Object(0), 0.5),
+            layer("", Lamp::Material(7), 0.25),
+        ],
+    }
 }
 
 proptest! {

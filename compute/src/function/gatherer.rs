@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use scene::function::IrradianceFunction;
 use scene::{Rgb, Scene};
 
+use super::layers::{LayerLight, SourceLayer};
 use super::means::Means;
 use super::second_look::{Reflected, SecondLook, Within};
 use super::vertices::{Place, Places};
@@ -267,6 +268,45 @@ impl<'a, 'c> Gatherer<'a, 'c> {
             }
         }
         Ok(Some(&self.kept.lights))
+    }
+
+    /// What kept places receive, the first ones first.
+    pub fn lights(&self) -> &[Light] {
+        &self.kept.lights
+    }
+
+    /// What kept places receive of each of these layers; `None` where it is cancelled.
+    pub fn layers(
+        &mut self,
+        layers: &[SourceLayer],
+    ) -> Result<Option<Vec<Vec<LayerLight>>>, BackendError> {
+        let parts = |row: &[Entry]| -> Vec<LayerLight> {
+            let part = |layer: &SourceLayer| LayerLight {
+                direct: sum(row, &layer.emission),
+                by_sources: sum(row, &layer.reflected),
+            };
+            layers.iter().map(part).collect()
+        };
+        let Kept {
+            receivers,
+            entries,
+            ends,
+            ..
+        } = &self.kept;
+        let kept = (0..ends.len()).into_par_iter().map(|k| {
+            let start = if k == 0 { 0 } else { ends[k - 1] };
+            parts(&entries[start..ends[k]])
+        });
+        let mut of_places: Vec<Vec<LayerLight>> = kept.collect();
+        for run in receivers[ends.len()..].chunk_by(|a, b| a + 1 == *b) {
+            let range = run[0]..run[0] + run.len() as u32;
+            let take = |row: &[Entry]| of_places.push(parts(row));
+            if !draw(&mut self.backend, range, self.cancel, take)? {
+                return Ok(None);
+            }
+        }
+        let of_layer = |k: usize| of_places.iter().map(|parts| parts[k]).collect();
+        Ok(Some((0..layers.len()).map(of_layer).collect()))
     }
 
     /// What places see when they look a second time, where sources are within as they are `now`; `None` where it is cancelled.

@@ -40,6 +40,7 @@ mod direct;
 mod gatherer;
 mod gradients;
 mod growth;
+mod layers;
 mod lit_mesh;
 mod means;
 mod patches;
@@ -52,6 +53,7 @@ use std::time::{Duration, Instant};
 
 use glam::DVec3;
 use scene::function::{IrradianceFunction, NodeId, Refinement, VertexId};
+use scene::layers::Layer;
 use scene::{PatchId, Rgb, Scene, SceneError, SurfaceId};
 use visibility::Drawable;
 
@@ -69,6 +71,7 @@ use second_look::Within;
 use vertices::Place;
 
 pub use carried::carried_over;
+pub use layers::SourceLayer;
 pub use patches::{MeansOfPatches, means_of_patches};
 pub use report::{Cause, ErrorByCause, Errors, FunctionEnd, FunctionReport};
 
@@ -139,6 +142,12 @@ pub trait Resolve {
     /// What a back end says.
     fn resolve(&mut self, known: &[Receives]) -> Result<Option<Vec<Rgb>>, BackendError>;
 
+    /// The parts that what sources receive is to be taken apart into; `None` where nobody asks for them, or it is cancelled.
+    ///
+    /// # Errors
+    /// What a back end says.
+    fn layers(&mut self) -> Result<Option<Vec<SourceLayer>>, BackendError>;
+
     /// Hands out the rows of sources to each other, those that light cannot reach left out. False where there are none, or it is
     /// cancelled.
     ///
@@ -157,6 +166,8 @@ pub struct Gathered {
     /// What patches receive, W/m^2, one per patch: as much as their sources, or where they have no vertices and are smaller than
     /// these, what they have gathered themselves.
     pub irradiance: Vec<Rgb>,
+    /// Parts of the light that [`Resolve::layers`] tells of.
+    pub layers: Option<Vec<Layer>>,
 }
 
 impl Gathered {
@@ -201,10 +212,13 @@ pub fn gather<'a>(
     let Some((function, report)) = making.run()?.or_else(|| making.interrupted()) else {
         return Ok(None);
     };
+    let is_whole = report.stopped_by != FunctionEnd::Interrupt;
+    let layers = if is_whole { making.layers()? } else { None };
     Ok(Some(Gathered {
         function,
         report,
         irradiance: making.patches,
+        layers,
     }))
 }
 
@@ -291,6 +305,25 @@ impl Making<'_, '_> {
             can_grow = self.growth.grow();
             next = start.elapsed().mul_f64(NEXT_ROUND);
         }
+    }
+
+    /// The parts of the light that are asked for.
+    fn layers(&mut self) -> Result<Option<Vec<Layer>>, BackendError> {
+        let Some(of_sources) = self.resolve.layers()? else {
+            return Ok(None);
+        };
+        let Some(of_places) = self.gatherer.layers(&of_sources)? else {
+            return Ok(None);
+        };
+        let layers = of_sources
+            .iter()
+            .zip(of_places)
+            .map(|(of_sources, of_places)| {
+                let patches = self.gatherer.prolonged(&of_sources.irradiance);
+                let lights = self.gatherer.lights();
+                layers::layer(of_sources, patches, &self.gathering, lights, &of_places)
+            });
+        Ok(Some(layers.collect()))
     }
 
     /// Tells how many vertices there are, and what error was known last.

@@ -13,6 +13,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use scene::file::is_same_file;
+use scene::layers::LayerKind;
 use visibility::hemicube::MAX_RESOLUTION;
 
 use self::form_factors::FormFactorArguments;
@@ -89,6 +90,11 @@ struct Arguments {
     /// --iterations 0]
     #[arg(long, value_enum)]
     quality: Option<Quality>,
+    /// Take the light apart, for display to mix: into that of each lamp (an object that emits, or a material where one object has
+    /// all), or into that of the first bounce, the second, the third to fifth, and the rest
+    #[arg(long, value_name = "WHAT", value_parser = choice(&[
+        ("lamps", LayerKind::Lamps), ("bounces", LayerKind::Bounces)]))]
+    layers: Option<LayerKind>,
     /// Stop after N iterations, those that IN has had included; where vertices gather, that is the last one
     #[arg(long, value_name = "N")]
     iterations: Option<u64>,
@@ -299,6 +305,7 @@ impl Arguments {
             checkpoint_every: self.checkpoint_every,
             all_rows: self.strict,
             target,
+            layers: self.layers,
         }
     }
 

@@ -10,10 +10,12 @@
 //!
 //! which is that of M where B = B'.
 
-use scene::{Provenance, Rgb, Solution, State};
+use scene::layers::LayerKind;
+use scene::{Provenance, Rgb, Scene, Solution, State};
 
+use super::layers;
 use crate::compact_rows::Row;
-use crate::function::{Receives, Resolve};
+use crate::function::{Receives, Resolve, SourceLayer};
 use crate::problem::Problem;
 use crate::row_cache::RowCache;
 use crate::rows::BackendError;
@@ -31,6 +33,8 @@ pub(super) struct Corrected<'r, 'a> {
     irradiance: Vec<Rgb>,
     /// Of the relative residual.
     tolerance: f64,
+    /// What the light is to be taken apart into.
+    layers: Option<LayerKind>,
 }
 
 impl<'r, 'a> Corrected<'r, 'a> {
@@ -41,7 +45,14 @@ impl<'r, 'a> Corrected<'r, 'a> {
             rows,
             irradiance,
             tolerance: tolerance.max(LEAST_RESIDUAL),
+            layers: None,
         }
+    }
+
+    /// The same, whose light is to be taken apart into these.
+    #[must_use]
+    pub fn with_layers(self, layers: Option<LayerKind>) -> Self {
+        Self { layers, ..self }
     }
 
     /// What sources receive after so many iterations, or where they do not change any more; `None` where it is cancelled.
@@ -51,14 +62,17 @@ impl<'r, 'a> Corrected<'r, 'a> {
         besides: Vec<Rgb>,
         most: u64,
     ) -> Result<Option<Vec<Rgb>>, BackendError> {
-        let start = Solution {
-            irradiance: self.irradiance.clone(),
-            provenance: Provenance::default(),
-            state: State::AtRest,
-            function: None,
-        };
-        let gather = Gather::new(self.problem.clone(), update, start);
-        let mut gather = gather.with_besides(besides);
+        let gather = gather_from(self.problem.clone(), update, self.irradiance.clone());
+        let gather = gather.with_besides(besides);
+        self.run(gather, most)
+    }
+
+    /// Lets a solver iterate so many times, or until nothing changes any more; `None` where it is cancelled.
+    pub(super) fn run(
+        &mut self,
+        mut gather: Gather,
+        most: u64,
+    ) -> Result<Option<Vec<Rgb>>, BackendError> {
         while gather.iterations() < most
             && gather
                 .residual()
@@ -71,6 +85,33 @@ impl<'r, 'a> Corrected<'r, 'a> {
         }
         Ok(Some(gather.snapshot().irradiance))
     }
+
+    /// The scene whose patches the sources are.
+    pub(super) fn sources(&self) -> &Scene {
+        self.rows.sources().scene()
+    }
+
+    /// The equation's known quantities, one per source.
+    pub(super) fn problem(&self) -> &Problem {
+        &self.problem
+    }
+
+    /// What sources receive, W/m^2, one per source.
+    pub(super) fn irradiance(&self) -> &[Rgb] {
+        &self.irradiance
+    }
+}
+
+/// A solver that goes on from these irradiances, W/m^2.
+pub(super) fn gather_from(problem: Problem, update: Update, irradiance: Vec<Rgb>) -> Gather {
+    let start = Solution {
+        irradiance,
+        provenance: Provenance::default(),
+        state: State::AtRest,
+        function: None,
+        layers: None,
+    };
+    Gather::new(problem, update, start)
 }
 
 impl Resolve for Corrected<'_, '_> {
@@ -96,6 +137,13 @@ impl Resolve for Corrected<'_, '_> {
         };
         self.irradiance = irradiance;
         Ok(Some(self.irradiance.clone()))
+    }
+
+    fn layers(&mut self) -> Result<Option<Vec<SourceLayer>>, BackendError> {
+        match self.layers {
+            None => Ok(None),
+            Some(kind) => layers::of(self, kind),
+        }
     }
 
     fn for_each_row(&mut self, take: &mut dyn FnMut(usize, Row)) -> Result<bool, BackendError> {
@@ -125,6 +173,10 @@ pub(super) struct Uncorrected;
 
 impl Resolve for Uncorrected {
     fn resolve(&mut self, _: &[Receives]) -> Result<Option<Vec<Rgb>>, BackendError> {
+        Ok(None)
+    }
+
+    fn layers(&mut self) -> Result<Option<Vec<SourceLayer>>, BackendError> {
         Ok(None)
     }
 

@@ -1,5 +1,6 @@
 //! The end of a run: the irradiance function, if one is asked for, and what the solution is worth.
 
+use scene::layers::{Layer, Layers};
 use scene::{PatchId, Solution, State, SurfaceId};
 
 use super::corrected::{Corrected, Uncorrected};
@@ -7,10 +8,11 @@ use super::levels::irradiances;
 use super::{Run, SolveError, SolveFault, Solved, SourcesReport, StoppedBy};
 use crate::certificate::{self, Certificate, Known};
 use crate::energy::{self, Closure, Energy};
-use crate::function::{self, FunctionFault, Gathered, MeansOfPatches, Order, Resolve};
+use crate::function::{self, FunctionFault, Gathered, MeansOfPatches, Order, Resolve, SourceLayer};
 use crate::problem::Problem;
 use crate::receivers::ReceiverId;
 use crate::row_cache::{RowCache, RowStatistics};
+use crate::rows::BackendError;
 use crate::settings::{Target, Wanted};
 use crate::solver::ambient_radiosity;
 use crate::solver::convergence::Convergence;
@@ -86,6 +88,7 @@ impl<'a> Run<'a, '_> {
                     solution.irradiance = gathered.irradiance;
                     solution.state = State::AtRest;
                     solution.function = Some(gathered.function);
+                    solution.layers = self.layers(gathered.layers);
                     let next = solution.provenance.iterations.saturating_add(1);
                     if self.settings.max_iterations == Some(next) && !is_converged {
                         // Which patches have then had, too.
@@ -97,6 +100,10 @@ impl<'a> Run<'a, '_> {
                 Ok(None) => stopped_by = StoppedBy::Interrupt,
                 Err(error) => return Err(with(&solution, error.into())),
             }
+        }
+        if is_over && self.settings.function().is_none() {
+            let layers = self.layers_of_patches(rows, &solution);
+            solution.layers = layers.map_err(|error| with(&solution, error.into()))?;
         }
         let statistics = rows.statistics().with_drawing_of(&self.drawn_before);
         let kept = of_sources.map_or(statistics, |(_, rows)| rows.unwrap_or(statistics));
@@ -137,6 +144,30 @@ impl<'a> Run<'a, '_> {
             inside: worth.inside,
             solution,
         })
+    }
+
+    /// The layers of patches that were solved among themselves, if they are asked for.
+    fn layers_of_patches(
+        &self,
+        rows: &mut RowCache,
+        solution: &Solution,
+    ) -> Result<Option<Layers>, BackendError> {
+        let is_asked = self.settings.layers.is_some() && !self.cancel.is_cancelled();
+        if !is_asked || !rows.sources().are_patches() {
+            return Ok(None);
+        }
+        let mut solved = Corrected::new(rows, solution.irradiance.clone(), self.settings.tolerance)
+            .with_layers(self.settings.layers);
+        let layers = solved.layers()?;
+        Ok(self.layers(layers.map(|layers| layers.into_iter().map(of_patches).collect())))
+    }
+
+    /// Layers as they are asked for.
+    fn layers(&self, layers: Option<Vec<Layer>>) -> Option<Layers> {
+        let kind = self.settings.layers?;
+        // Nothing emits in a scene without lamps.
+        let layers = layers.filter(|layers| !layers.is_empty())?;
+        Some(Layers { kind, layers })
     }
 
     /// What rows and a solution of the patches are worth. `has_estimate` says whether the error of its function is known.
@@ -230,7 +261,8 @@ impl<'a> Run<'a, '_> {
         };
         let mut corrected;
         let resolve: &mut dyn Resolve = if is_converged && rows.sources().are_patches() {
-            corrected = Corrected::new(rows, irradiance.clone(), tolerance);
+            corrected = Corrected::new(rows, irradiance.clone(), tolerance)
+                .with_layers(self.settings.layers);
             &mut corrected
         } else {
             &mut Uncorrected
@@ -255,5 +287,15 @@ impl<'a> Run<'a, '_> {
             &mut tell,
         )?;
         Ok(gathered.map(Refined::Function))
+    }
+}
+
+/// A layer of sources that are the patches.
+fn of_patches(layer: SourceLayer) -> Layer {
+    Layer {
+        name: layer.name,
+        lamp: layer.lamp,
+        irradiance: layer.irradiance,
+        vertices: Vec::new(),
     }
 }

@@ -367,5 +367,6 @@ pub(super) fn irradiances(irradiance: Vec<Rgb>, provenance: &Provenance) -> Solu
         provenance: provenance.clone(),
         state: State::AtRest,
         function: None,
+        layers: None,
     }
 }

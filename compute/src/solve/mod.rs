@@ -7,6 +7,7 @@
 mod corrected;
 mod finish;
 mod iterate;
+mod layers;
 mod levels;
 mod observer;
 mod on_stand_in;

@@ -82,6 +82,7 @@ impl OnScene<'_> {
             },
             state: State::AtRest,
             function: None,
+            layers: None,
         }
     }
 
@@ -93,6 +94,15 @@ impl OnScene<'_> {
                 StandIn::Finer(finer) => finer.put_together(function)?,
             });
             solution.irradiance = solution.mean_irradiance(self.stand_in.original());
+            // Vertices are the same where patches are finer.
+            solution.layers.clone_from(&of_stand_in.layers);
+            for layer in solution
+                .layers
+                .iter_mut()
+                .flat_map(|layers| &mut layers.layers)
+            {
+                layer.irradiance = self.stand_in.values(&layer.irradiance);
+            }
         }
         Ok(solution)
     }

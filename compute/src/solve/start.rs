@@ -36,6 +36,7 @@ impl Run<'_, '_> {
                 },
                 state: State::AtRest,
                 function: None,
+                layers: None,
             };
         }
         start

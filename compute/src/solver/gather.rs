@@ -192,6 +192,7 @@ impl Solver for Gather {
                 }
             },
             function: None,
+            layers: None,
         }
     }
 

@@ -302,6 +302,7 @@ impl Solver for Shoot {
                 remainder: self.remainder.clone(),
             },
             function: None,
+            layers: None,
         }
     }
 

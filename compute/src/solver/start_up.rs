@@ -47,6 +47,7 @@ impl StartUp {
             provenance: scene::Provenance::default(),
             state: scene::State::AtRest,
             function: None,
+            layers: None,
         };
         Self {
             gather,

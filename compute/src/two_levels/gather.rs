@@ -70,6 +70,7 @@ impl Solver for GatherOnce {
                 // What is unshot among sources says nothing of what patches have received from them.
                 state: State::AtRest,
                 function: None,
+                layers: None,
             };
         }
         let mut solution = self.sources.clone();

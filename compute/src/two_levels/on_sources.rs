@@ -60,6 +60,7 @@ fn restrict(sources: &Sources, start: Solution) -> Solution {
         provenance,
         state,
         function: None,
+        layers: None,
     }
 }
 
@@ -84,6 +85,7 @@ impl Solver for OnSources<'_> {
             provenance,
             state: state.map(to_patches),
             function: None,
+            layers: None,
         }
     }
 

@@ -6,6 +6,8 @@ compile_error!("files are read and written in place, which needs a little-endian
 use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 
+use crate::layers::{Lamp, LayerKind};
+
 /// The first bytes of every file.
 pub const MAGIC: [u8; 8] = *b"RADIOSTY";
 /// The same as text, for messages.
@@ -96,8 +98,15 @@ impl SectionName {
     /// f32 estimates of an irradiance function's error; not there where there are none.
     pub const PATCH_ERROR: Self = Self::new("patch-error");
 
+    /// JSON of [`LayerNames`]; not there where there are no layers.
+    pub const LAYERS: Self = Self::new("layers");
+    /// RGB irradiances of the patches, one layer after the other.
+    pub const LAYER_IRRADIANCE: Self = Self::new("layer-irradiance");
+    /// [`LayerVertexRecord`]s, one layer after the other.
+    pub const LAYER_VERTICES: Self = Self::new("layer-vertices");
+
     /// All that this code knows.
-    const ALL: [Self; 17] = [
+    const ALL: [Self; 20] = [
         Self::NAMES,
         Self::MATERIALS,
         Self::SURFACES,
@@ -115,6 +124,9 @@ impl SectionName {
         Self::FUNCTION_NODES,
         Self::VERTICES,
         Self::PATCH_ERROR,
+        Self::LAYERS,
+        Self::LAYER_IRRADIANCE,
+        Self::LAYER_VERTICES,
     ];
 
     const fn new(name: &str) -> Self {
@@ -198,6 +210,27 @@ pub struct OpeningRecord {
 pub struct VertexRecord {
     /// Metres, relative to the origin.
     pub position: [f32; 3],
+    /// W/m^2.
+    pub irradiance: [f32; 3],
+    /// W/m^2.
+    pub direct: [f32; 3],
+}
+
+/// What layers are.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct LayerNames {
+    /// Of what.
+    pub kind: LayerKind,
+    /// One per layer.
+    pub names: Vec<String>,
+    /// What emits in each, where they are of lamps; else empty.
+    pub lamps: Vec<Lamp>,
+}
+
+/// A layer's light at a vertex.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct LayerVertexRecord {
     /// W/m^2.
     pub irradiance: [f32; 3],
     /// W/m^2.

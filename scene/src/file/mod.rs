@@ -26,10 +26,13 @@
 //! | function-nodes | 3 u32: vertices; u32: first child, 0 for a leaf | nodes |
 //! | vertices | 9 f32: position, metres; irradiance and the direct part of it, W/m^2 | vertices |
 //! | patch-error | f32: estimate of the function's error, W/m^2 | patches |
+//! | layers | JSON: what the layers are | bytes |
+//! | layer-irradiance | 3 f32, W/m^2, layer by layer | layers x patches |
+//! | layer-vertices | 6 f32: irradiance and the direct part of it, W/m^2, layer by layer | layers x vertices |
 //!
 //! Where there are no faces, a surface's is its number. Provenance and irradiance are there where there is a
-//! solution, the last four where it has an [`crate::function::IrradianceFunction`], but the very last only where its error has been
-//! estimated, the others where its [`crate::Level`] or its [`crate::State`] has them. The header's
+//! solution, those of the function where it has an [`crate::function::IrradianceFunction`], but patch-error only where its error has been
+//! estimated, those of layers where it has [`crate::layers::Layers`], the others where its [`crate::Level`] or its [`crate::State`] has them. The header's
 //! checksum (XXH3, 64 bits) covers every other byte of the file.
 //!
 //! # Growth

@@ -7,11 +7,13 @@ use std::path::Path;
 use glam::{DVec3, Vec3};
 
 use super::layout::{
-    Header, MaterialRecord, Names, OpeningRecord, SectionName, SurfaceRecord, VertexRecord,
+    Header, LayerNames, LayerVertexRecord, MaterialRecord, Names, OpeningRecord, SectionName,
+    SurfaceRecord, VertexRecord,
 };
 use super::table::{Sections, structure};
 use super::{FileError, FileFault, version_1};
 use crate::function::{IrradianceFunction, VertexMesh};
+use crate::layers::{Layer, LayerKind, Layers};
 use crate::{
     Level, Material, MaterialId, ObjectId, Opening, PatchId, Provenance, Rgb, Scene, Solution,
     State, Surface,
@@ -127,18 +129,65 @@ fn solution(sections: &Sections, surfaces: usize) -> Result<Option<Solution>, Fi
             provenance: provenance.into(),
             state: State::AtRest,
             function: None,
+            layers: None,
         }));
     }
     let mut provenance: Provenance = sections.json(SectionName::PROVENANCE)?;
     if let Level::Gathering { gathered, .. } = &mut provenance.level {
         *gathered = sections.records(SectionName::GATHERED)?;
     }
+    let function = function(sections, surfaces)?;
+    let vertices = function.as_ref().map_or(0, |f| f.mesh().vertex_count());
     Ok(Some(Solution {
+        layers: layers(sections, irradiance.len(), vertices as usize)?,
         irradiance,
         provenance,
         state: state(sections)?,
-        function: function(sections, surfaces)?,
+        function,
     }))
+}
+
+fn layers(
+    sections: &Sections,
+    patches: usize,
+    vertices: usize,
+) -> Result<Option<Layers>, FileFault> {
+    if !sections.has(SectionName::LAYERS) {
+        return Ok(None);
+    }
+    let LayerNames { kind, names, lamps } = sections.json(SectionName::LAYERS)?;
+    let irradiance: Vec<Rgb> = sections.records(SectionName::LAYER_IRRADIANCE)?;
+    let of_vertices: Vec<LayerVertexRecord> = sections.records(SectionName::LAYER_VERTICES)?;
+    let count = names.len();
+    let is_whole = |found: usize, each: usize| each.checked_mul(count) == Some(found);
+    let has_lamps = match kind {
+        LayerKind::Lamps => lamps.len() == count,
+        LayerKind::Bounces => lamps.is_empty(),
+    };
+    if count == 0
+        || !has_lamps
+        || !is_whole(irradiance.len(), patches)
+        || !is_whole(of_vertices.len(), vertices)
+    {
+        return Err(structure(format!(
+            "{count} layers have {} lamps, {} irradiances and {} vertices",
+            lamps.len(),
+            irradiance.len(),
+            of_vertices.len()
+        )));
+    }
+    let value = |record: &LayerVertexRecord| [record.irradiance, record.direct].map(Rgb::from);
+    let layers = names.into_iter().enumerate().map(|(k, name)| Layer {
+        name,
+        lamp: lamps.get(k).copied(),
+        irradiance: irradiance[k * patches..(k + 1) * patches].to_vec(),
+        vertices: of_vertices[k * vertices..(k + 1) * vertices]
+            .iter()
+            .map(value)
+            .collect(),
+    });
+    let layers = layers.collect();
+    Ok(Some(Layers { kind, layers }))
 }
 
 fn function(sections: &Sections, surfaces: usize) -> Result<Option<IrradianceFunction>, FileFault> {

@@ -7,11 +7,12 @@ use bytemuck::Pod;
 use serde::Serialize;
 
 use super::layout::{
-    ALIGNMENT, Header, MAGIC, MaterialRecord, Names, OpeningRecord, REQUIRED, Section, SectionName,
-    SurfaceRecord, VERSION, VertexRecord,
+    ALIGNMENT, Header, LayerNames, LayerVertexRecord, MAGIC, MaterialRecord, Names, OpeningRecord,
+    REQUIRED, Section, SectionName, SurfaceRecord, VERSION, VertexRecord,
 };
 use super::{FileError, FileFault, table};
-use crate::{Level, ModelAxes, Scene, Solution, State};
+use crate::layers::Layers;
+use crate::{Level, ModelAxes, Rgb, Scene, Solution, State};
 
 /// Writes a scene, with or without a solution, replacing the file at once or not at all.
 ///
@@ -185,6 +186,9 @@ pub fn to_bytes(scene: &Scene, solution: Option<&Solution>) -> Vec<u8> {
             file.records(SectionName::PATCH_ERROR, 0, function.error());
         }
     }
+    if let Some(layers) = solution.and_then(|solution| solution.layers.as_ref()) {
+        file.layers(layers);
+    }
     file.finish(scene.origin().into())
 }
 
@@ -195,6 +199,28 @@ struct FileBuilder {
 }
 
 impl FileBuilder {
+    fn layers(&mut self, layers: &Layers) {
+        let all = || layers.layers.iter();
+        let names = LayerNames {
+            kind: layers.kind,
+            names: all().map(|layer| layer.name.clone()).collect(),
+            lamps: all().filter_map(|layer| layer.lamp).collect(),
+        };
+        self.json(SectionName::LAYERS, 0, &names);
+        let irradiance: Vec<Rgb> = all().flat_map(|layer| layer.irradiance.clone()).collect();
+        self.records(SectionName::LAYER_IRRADIANCE, 0, &irradiance);
+        let vertices = all().flat_map(|layer| &layer.vertices);
+        let vertices = vertices.map(|&[irradiance, direct]| LayerVertexRecord {
+            irradiance: irradiance.into(),
+            direct: direct.into(),
+        });
+        self.records(
+            SectionName::LAYER_VERTICES,
+            0,
+            &vertices.collect::<Vec<_>>(),
+        );
+    }
+
     fn records<T: Pod>(&mut self, name: SectionName, flags: u32, records: &[T]) {
         let section = Section {
             name,

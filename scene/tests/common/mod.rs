@@ -81,6 +81,7 @@ pub fn small_solution(scene: &Scene) -> Solution {
             irradiance: small_values(scene, 2.0)[..3].to_vec(),
         },
         function: Some(small_function(scene)),
+        layers: None,
     }
 }
 
