@@ -78,6 +78,10 @@ struct Args {
     /// pictures [default: chosen by what does not emit]
     #[arg(long, value_name = "LO:HI|FILE", value_parser = range, allow_hyphen_values = true)]
     range: Option<RangeArg>,
+    /// Dim and colour lamps, or leave out bounces, of a file of compute --layers: a factor a layer, or three for red:green:blue,
+    /// seen in the range of all light [default: all layers as they are]
+    #[arg(long, value_name = "NAME=F,...", allow_hyphen_values = true)]
+    mix: Option<String>,
     /// Draw lines where luminances have these values, in the unit of what is shown [default: none]
     #[arg(
         long,
@@ -143,6 +147,8 @@ Examples:
   display solved.rad --by object --quantity irradiance   a table of what walls receive
   display after2.rad --out after2.png --range solved.rad
                                                          as bright as a picture of the other file
+  display layers.rad --mix lantern=0.2,panel=1:0.6:0.3 --out dimmed.png
+                                                         lamps dimmed and coloured
   display solved.rad --compare reference.rad --out difference.png
                                                          both errors, and where it is too bright or too dark
   display solved.rad --path walk.txt --out walk.gif --size 320x240
@@ -285,6 +291,7 @@ impl Args {
                 ByArg::Material => Rows::Materials,
             }),
             range_of,
+            mix: self.mix,
             render: RenderSettings {
                 mode: match mode {
                     ModeArg::Log => Mode::Log,

@@ -16,6 +16,7 @@
 //! | [`compare`], [`difference`], [`input`] | how far a picture is from another one, as numbers and as a map |
 //! | [`by_position`], [`places`] | how far a solution is from another one, by area |
 //! | [`camera_path`], [`spline`], [`animation`] | a camera that moves, and its frames as files |
+//! | [`mix`] | layers of light with other factors |
 //! | [`plot`] | a report of `compute` as charts |
 //! | [`hemicube`], [`unfolding`], [`multipliers`] | what a patch sees, and how much of it counts |
 //! | [`hemicube_picture`], [`maps_picture`], [`panels`] | that as pictures |
@@ -39,6 +40,7 @@ pub mod kind;
 pub mod legend;
 pub mod luminance;
 pub mod maps_picture;
+pub mod mix;
 mod moving;
 pub mod multipliers;
 pub mod number;

@@ -10,6 +10,7 @@ use crate::comparing::compare;
 use crate::dark;
 use crate::hemicube_picture::{self, HemicubeSettings};
 use crate::maps_picture::maps_picture;
+use crate::mix::mixed;
 use crate::moving::film;
 use crate::number;
 use crate::output::{save_exr, save_image, save_png};
@@ -58,12 +59,25 @@ fn show(settings: &Settings) -> Result<()> {
     settings.validate()?;
     let (scene, solution) = scene::file::load(&settings.input)?;
     let naming = |error| naming(error, &settings.input);
+    let of_input = |error: SettingsError| naming(error.into());
     let mut render = settings.render.clone();
     if let Some(path) = &settings.range_of {
         let (scene, solution) = scene::file::load(path)?;
         let range = range_of(&scene, solution.as_ref(), &render);
         render.range = Some(range.with_context(|| path.display().to_string())?);
     }
+    let (scene, solution) = match &settings.mix {
+        None => (scene, solution),
+        Some(mix) => {
+            if render.range.is_none() && render.mode != Mode::Ids {
+                render.range =
+                    Some(range_of(&scene, solution.as_ref(), &render).map_err(of_input)?);
+            }
+            let mixed = mixed(&scene, solution.as_ref(), mix);
+            let (scene, solution) = mixed.with_context(|| settings.input.display().to_string())?;
+            (scene, Some(solution))
+        }
+    };
     let render = &render;
     let trouble = shows_solution(settings).then(|| trouble(&scene, solution.as_ref(), render));
     let trouble = trouble.flatten();

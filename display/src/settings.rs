@@ -256,6 +256,8 @@ pub struct Settings {
     pub moving: Option<Moving>,
     /// The patch whose hemicube the picture shows, and pixels along its face.
     pub hemicube: Option<(PatchId, u32)>,
+    /// Factors of the solution's layers, see [`crate::mix`].
+    pub mix: Option<String>,
     /// A file whose range the picture has, as a series of pictures of one scene does.
     pub range_of: Option<PathBuf>,
     /// What is shown.
