@@ -104,6 +104,20 @@ fn wrong_usage_exits_with_2_and_writes_nothing() {
         ),
         ("room c --out a.png --range room.rad", "no meaning"),
         ("room --by colour", "colour"),
+        ("room --out a.gif", "--path"),
+        ("room --out a.svg", "--plot"),
+        ("room --path walk.txt --out a.exr", ".apng"),
+        ("room --path walk.txt", "--out"),
+        ("room --mask m.png --out a.png", "--compare"),
+        ("room c --compare b.rad", "no meaning"),
+        ("room --compare b.rad --out a.exr", ".png"),
+        ("room --hemicube 3", "--out"),
+        ("room --hemicube -3 --out a.png", "-3"),
+        ("room --hemicube 3 --out a.exr", ".png"),
+        ("--maps --out a.exr", ".png"),
+        ("--maps room --out a.png", "--maps"),
+        ("--plot report.json --out a.png", ".svg"),
+        ("room.gif --path walk.txt --out room.gif", "is the input"),
         ("room c --out a.png --mode log", "--mode ids"),
         ("room c --out a.png --smooth", "no meaning"),
         ("room c --out a.exr", ".png"),
@@ -185,6 +199,143 @@ fn a_table_is_printed_and_says_its_units() {
         lumens.contains("mean lx") && lumens.contains("received lm"),
         "{lumens}"
     );
+}
+
+/// What a file is like that is compared with itself, and with a picture of itself.
+#[test]
+fn a_file_does_not_differ_from_itself() {
+    let folder = folder();
+    std::fs::copy(folder.path().join("room"), folder.path().join("same.rad")).unwrap();
+    let [out, err] = run(
+        folder.path(),
+        "room --compare same.rad --out d.png --size 64x48",
+        0,
+    );
+    assert!(err.is_empty(), "{err}");
+    let lines: Vec<&str> = out.lines().collect();
+    assert!(
+        lines[0].starts_with("same.rad: by area: power 0.00 %, visible 0.00 %, over 100 %"),
+        "{out}"
+    );
+    assert!(
+        lines[1].starts_with("same.rad: in the picture: power 0.00 %"),
+        "{out}"
+    );
+    assert!(
+        lines[2].starts_with("d.png: 64x48, the difference"),
+        "{out}"
+    );
+    run(folder.path(), "room --out same.exr --size 64x48", 0);
+    let [out, _] = run(folder.path(), "room --compare same.exr", 0);
+    assert!(out.contains("power 0.00 %"), "{out}");
+    let [_, err] = run(folder.path(), "room --compare same.exr --size 32x48", 1);
+    assert!(
+        err.contains("same.exr: 64x48 pixels") && err.contains("--size 64x48"),
+        "{err}"
+    );
+    for missing in ["none.exr", "none.rad"] {
+        let [_, err] = run(folder.path(), &format!("room --compare {missing}"), 1);
+        assert!(
+            err.starts_with(&format!("display: error: {missing}: ")),
+            "{err}"
+        );
+    }
+}
+
+#[test]
+fn a_path_makes_frames() {
+    let folder = folder();
+    std::fs::write(
+        folder.path().join("walk.txt"),
+        "0 0,1,4 0,1,0\n1 1,1,4 0,1,0 50\n",
+    )
+    .unwrap();
+    for (name, last) in [
+        ("w.gif", "w.gif"),
+        ("w.apng", "w.apng"),
+        ("w.png", "w-0003.png"),
+    ] {
+        let arguments = format!("room --path walk.txt --fps 2 --size 32x24 --out {name}");
+        let [out, err] = run(folder.path(), &arguments, 0);
+        assert_eq!(out, format!("{last}: 3 frames of 32x24, 2 a second\n"));
+        assert!(err.is_empty(), "{err}");
+        assert!(folder.path().join(last).exists());
+    }
+    std::fs::write(
+        folder.path().join("bad.txt"),
+        "0 0,1,4 0,1,0\n0 1,1,4 0,1,0\n",
+    )
+    .unwrap();
+    let [_, err] = run(folder.path(), "room --path bad.txt --out b.gif", 1);
+    assert!(
+        err.starts_with("display: error: bad.txt: line 2: "),
+        "{err}"
+    );
+    assert!(!folder.path().join("b.gif").exists());
+}
+
+#[test]
+fn hemicubes_and_maps_are_pictures() {
+    let folder = folder();
+    let [out, err] = run(
+        folder.path(),
+        "room --hemicube 7 --resolution 32 --out h.png",
+        0,
+    );
+    assert!(
+        out.contains("what patch 7 sees: irradiance") && err.is_empty(),
+        "{out} {err}"
+    );
+    let [out, _] = run(folder.path(), "--maps --resolution 32 --out m.png", 0);
+    assert!(out.contains("multiplier maps of 32 pixels"), "{out}");
+    for name in ["h.png", "m.png"] {
+        assert!(image::open(folder.path().join(name)).is_ok(), "{name}");
+    }
+    let [_, err] = run(folder.path(), "room --hemicube 9999 --out x.png", 1);
+    assert!(
+        err.contains("patch 9999: the scene has 2946 patches"),
+        "{err}"
+    );
+    let [_, err] = run(folder.path(), "--maps --resolution 31 --out x.png", 1);
+    assert!(err.contains("31") && err.contains("even"), "{err}");
+}
+
+#[test]
+fn lamps_are_dimmed_by_name() {
+    let folder = folder();
+    let (scene, mut solution) = common::lit_room();
+    let half: Vec<scene::Rgb> = solution.irradiance.iter().map(|&h| 0.5 * h).collect();
+    let layer = |name: &str| scene::layers::Layer {
+        name: name.to_owned(),
+        lamp: None,
+        irradiance: half.clone(),
+        vertices: Vec::new(),
+    };
+    solution.layers = Some(scene::layers::Layers {
+        kind: scene::layers::LayerKind::Bounces,
+        layers: vec![layer("first"), layer("others")],
+    });
+    scene::file::save(&folder.path().join("layers"), &scene, Some(&solution)).unwrap();
+    let by = |mix: &str| {
+        let arguments = format!("layers --by object --quantity irradiance{mix}");
+        let [out, _] = run(folder.path(), &arguments, 0);
+        let row = out.lines().nth(1).unwrap().to_owned();
+        let received: f64 = row.split_whitespace().nth(6).unwrap().parse().unwrap();
+        received
+    };
+    let all = by("");
+    // Four digits of each.
+    for (mix, factor) in [
+        (" --mix first=1", 1.0),
+        (" --mix first=0", 0.5),
+        (" --mix first=3,others=0", 1.5),
+    ] {
+        assert!((by(mix) / all - factor).abs() < 2e-3, "{mix}");
+    }
+    let [_, err] = run(folder.path(), "layers --mix second=1 --out a.png", 1);
+    assert!(err.contains("there are \"first\", \"others\""), "{err}");
+    let [_, err] = run(folder.path(), "room --mix first=1 --out a.png", 1);
+    assert!(err.contains("no layers"), "{err}");
 }
 
 /// A series of pictures of one scene is as bright as the last of them.
