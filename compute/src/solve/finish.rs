@@ -101,7 +101,8 @@ impl<'a> Run<'a, '_> {
                 Err(error) => return Err(with(&solution, error.into())),
             }
         }
-        if is_over && self.settings.function().is_none() {
+        let is_asked = self.settings.layers.is_some() && self.settings.function().is_none();
+        if is_asked && is_over {
             let layers = self.layers_of_patches(rows, &solution);
             solution.layers = layers.map_err(|error| with(&solution, error.into()))?;
         }
@@ -146,14 +147,13 @@ impl<'a> Run<'a, '_> {
         })
     }
 
-    /// The layers of patches that were solved among themselves, if they are asked for.
+    /// The layers that are asked for of patches that were solved among themselves; `None` of others, and where it is cancelled.
     fn layers_of_patches(
         &self,
         rows: &mut RowCache,
         solution: &Solution,
     ) -> Result<Option<Layers>, BackendError> {
-        let is_asked = self.settings.layers.is_some() && !self.cancel.is_cancelled();
-        if !is_asked || !rows.sources().are_patches() {
+        if self.cancel.is_cancelled() || !rows.sources().are_patches() {
             return Ok(None);
         }
         let mut solved = Corrected::new(rows, solution.irradiance.clone(), self.settings.tolerance)
