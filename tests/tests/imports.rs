@@ -27,12 +27,13 @@ fn dependencies(package: &str) -> BTreeSet<String> {
     names.into_iter().filter(|name| name != package).collect()
 }
 
-const WORKSPACE: [&str; 9] = [
+const WORKSPACE: [&str; 10] = [
     "scene",
     "visibility",
     "genx",
     "compute",
     "display",
+    "window",
     "test_scenes",
     "test_needs",
     "tests",
@@ -47,6 +48,7 @@ fn crates_import_only_what_is_below_them() {
         ("visibility", &["scene"]),
         ("compute", &["scene", "visibility"]),
         ("display", &["scene", "visibility", "compute"]),
+        ("window", &["scene", "visibility", "compute", "display"]),
     ] {
         let dependencies = dependencies(package);
         for other in WORKSPACE {
@@ -75,7 +77,7 @@ fn pictures_are_made_without_a_graphics_card_or_the_solvers_program() {
         ("scene", &["wgpu", "clap"][..]),
         ("genx", &["wgpu"]),
         ("visibility", &["wgpu", "clap", "ctrlc", "indicatif"]),
-        ("display", &["wgpu", "ctrlc", "indicatif"]),
+        ("display", &["wgpu", "ctrlc", "indicatif", "egui", "winit"]),
     ] {
         let dependencies = dependencies(package);
         for &library in libraries {
@@ -86,6 +88,10 @@ fn pictures_are_made_without_a_graphics_card_or_the_solvers_program() {
     let compute = dependencies("compute");
     for library in ["wgpu", "clap", "ctrlc", "indicatif"] {
         assert!(compute.contains(library), "{library}");
+    }
+    let window = dependencies("window");
+    for library in ["egui", "winit"] {
+        assert!(window.contains(library), "{library}");
     }
 }
 
@@ -179,7 +185,7 @@ fn circle(imports: &BTreeMap<String, BTreeSet<String>>) -> Option<Vec<String>> {
 
 #[test]
 fn modules_do_not_import_each_other_in_circles() {
-    for package in ["scene", "visibility", "compute", "display", "genx"] {
+    for package in ["scene", "visibility", "compute", "display", "window", "genx"] {
         let imports = imports(package);
         assert!(imports.len() > 3, "{imports:?}");
         assert_eq!(circle(&imports), None, "{package}");
