@@ -185,7 +185,14 @@ fn circle(imports: &BTreeMap<String, BTreeSet<String>>) -> Option<Vec<String>> {
 
 #[test]
 fn modules_do_not_import_each_other_in_circles() {
-    for package in ["scene", "visibility", "compute", "display", "window", "genx"] {
+    for package in [
+        "scene",
+        "visibility",
+        "compute",
+        "display",
+        "window",
+        "genx",
+    ] {
         let imports = imports(package);
         assert!(imports.len() > 3, "{imports:?}");
         assert_eq!(circle(&imports), None, "{package}");

@@ -141,6 +141,10 @@ impl App {
         let panel = Panel::right("panel")
             .default_size(PANEL_WIDTH)
             .show(ui, |ui| {
+                // What is picked is always in sight, the rest is scrolled to.
+                Panel::bottom("picked").show(ui, |ui| {
+                    panels::picked(ui, &opened.loaded, self.picked);
+                });
                 egui::ScrollArea::vertical().show(ui, |ui| {
                     let fault = self.fault.as_deref();
                     let again = status::file(ui, &name, &opened.loaded, fault, &self.pace);
@@ -148,8 +152,6 @@ impl App {
                     panels::looks(ui, &mut self.looks, &opened.loaded, opened.values.range);
                     ui.separator();
                     panels::camera(ui, &mut opened.control, &mut self.views);
-                    ui.separator();
-                    panels::picked(ui, &opened.loaded, self.picked);
                     again
                 })
             });

@@ -6,7 +6,7 @@
 //!
 //! | module | concept |
 //! |---|---|
-//! | [`cli`], [`open`] | the program: what is asked for, and a window on the screen |
+//! | [`cli`], [`mod@open`] | the program: what is asked for, and a window on the screen |
 //! | [`app`] | what the window is, from one frame to the next |
 //! | [`loaded`], [`watch`] | the file's content, and that it may change |
 //! | [`looks`], [`values`] | what is shown, and the numbers that it is made of |

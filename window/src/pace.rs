@@ -12,6 +12,9 @@ const LONGEST: Duration = Duration::from_millis(80);
 const LEAST: f32 = 0.25;
 const MOST: f32 = 2.0;
 
+/// The most samples of a picture that has more than one a pixel: their textures take 200 MB.
+const MOST_IN_ALL: f32 = 16e6;
+
 /// How long the camera has to rest before all pixels are drawn, and before there are four samples in each.
 const RESTS: [Duration; 2] = [Duration::from_millis(150), Duration::from_millis(400)];
 
@@ -49,10 +52,11 @@ impl Pace {
         }
     }
 
-    /// Samples along a pixel's side, when the camera has rested for so long.
-    pub fn samples(&self, rest: Duration) -> f32 {
+    /// Samples along a pixel's side of a picture of so many columns and rows, when the camera has rested for so long.
+    pub fn samples(&self, rest: Duration, [width, height]: [u32; 2]) -> f32 {
         let [whole, fine] = RESTS;
-        if rest >= fine {
+        let has_room = MOST * MOST * width as f32 * height as f32 <= MOST_IN_ALL;
+        if rest >= fine && has_room {
             MOST
         } else if rest >= whole {
             1.0
@@ -79,6 +83,8 @@ impl Pace {
 mod tests {
     use super::*;
 
+    const SIZE: [u32; 2] = [1280, 720];
+
     fn after(frames: usize, duration: impl Fn(f32) -> Duration) -> Pace {
         let mut pace = Pace::default();
         for _ in 0..frames {
@@ -91,7 +97,7 @@ mod tests {
     #[test]
     fn a_graphics_card_draws_all_pixels_always() {
         let pace = after(100, |_| Duration::from_millis(16));
-        assert!(pace.samples(Duration::ZERO) >= 1.0);
+        assert!(pace.samples(Duration::ZERO, SIZE) >= 1.0);
     }
 
     /// Its frames take 10 ms and a second for all pixels: at a quarter of the sides that is 72 ms, at half of them 260.
@@ -117,12 +123,18 @@ mod tests {
     fn a_camera_at_rest_is_shown_finer_until_it_is_shown_best() {
         let pace = Pace::default();
         let mut rest = Duration::ZERO;
-        let mut samples = pace.samples(rest);
+        let mut samples = pace.samples(rest, SIZE);
         while let Some(wait) = Pace::next(rest) {
             rest += wait;
-            assert!(pace.samples(rest) >= samples);
-            samples = pace.samples(rest);
+            assert!(pace.samples(rest, SIZE) >= samples);
+            samples = pace.samples(rest, SIZE);
         }
         assert!(samples >= MOST && rest < Duration::from_secs(1));
+    }
+
+    #[test]
+    fn a_picture_on_a_very_large_screen_has_one_sample_a_pixel() {
+        let samples = Pace::default().samples(Duration::MAX, [7680, 4320]);
+        assert!((samples - 1.0).abs() < f32::EPSILON);
     }
 }

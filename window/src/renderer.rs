@@ -235,10 +235,4 @@ impl Renderer {
     pub fn sample_size(&self) -> Option<[u32; 2]> {
         self.targets.as_ref().map(|targets| targets.size)
     }
-
-    /// Waits until all has been drawn.
-    pub fn wait(&self) {
-        // A lost device is noted by itself.
-        let _ = self.device.poll(wgpu::PollType::wait_indefinitely());
-    }
 }

@@ -83,11 +83,12 @@ impl Screen {
             .moved
             .map_or(Duration::MAX, |moved| now.saturating_duration_since(moved));
         let pixels = picture.rect.size() * ui.pixels_per_point();
+        let size = [pixels.x, pixels.y].map(|side| side.round().max(1.0) as u32);
         let mut asked = Asked {
             camera,
             scene_size: control.scene_size(),
-            size: [pixels.x, pixels.y].map(|side| side.round().max(1.0) as u32),
-            samples: pace.samples(rest),
+            size,
+            samples: pace.samples(rest, size),
             looks,
             picked: *picked,
         };

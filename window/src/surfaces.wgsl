@@ -255,12 +255,15 @@ fn shade(in: Corner, @builtin(front_facing) is_front: bool) -> Pixel {
     }
     let light = clamp(display_light(value), vec3f(0.0), vec3f(1.0));
     var color = vec3f(encode(light.x), encode(light.y), encode(light.z));
-    if view.has_wires != 0u && seen.side < WIRE_WIDTH {
+    // Where a sample is wider than a pixel, lines are as wide, so that they have no gaps; and a patch has to be seen by more pixels.
+    let coarseness = max(1.0, 1.0 / view.samples);
+    if view.has_wires != 0u && seen.side < WIRE_WIDTH * coarseness {
         // Dark on what is bright and bright on what is dark.
         let wire = vec3f(select(1.0, 0.0, luminance(color) > 0.4));
-        color = mix(color, wire, WIRE_OPACITY * smoothstep(WIRED_FROM, WIRED_WHOLE, seen.height));
+        color = mix(color, wire, WIRE_OPACITY * smoothstep(WIRED_FROM, WIRED_WHOLE, seen.height / coarseness));
     }
-    if seen.id == view.picked && (seen.side < OUTLINE_WIDTH || seen.height < OUTLINED_HEIGHT) {
+    let is_small = seen.height < OUTLINED_HEIGHT * coarseness;
+    if seen.id == view.picked && (is_small || seen.side < OUTLINE_WIDTH * coarseness) {
         color = OUTLINE;
     }
     out.color = vec4f(color, 1.0);

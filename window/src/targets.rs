@@ -1,5 +1,7 @@
 //! The textures that a picture is drawn into: its colours, the patches seen, and depths.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
 use wgpu::{Device, Extent3d, Queue, Texture, TextureFormat, TextureUsages, TextureView};
 
 /// sRGB codes, as egui takes them.
@@ -105,7 +107,9 @@ pub fn read(
         // Nobody else listens.
         let _ = sender.send(mapped.is_ok());
     });
-    device.poll(wgpu::PollType::wait_indefinitely()).ok()?;
+    // wgpu 30 panics where it waits for a device that turns out to be lost.
+    let wait = || device.poll(wgpu::PollType::wait_indefinitely());
+    catch_unwind(AssertUnwindSafe(wait)).ok()?.ok()?;
     if !receiver.recv().ok()? {
         return None;
     }
