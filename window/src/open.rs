@@ -20,7 +20,9 @@ const SIZE: [f32; 2] = [1280.0, 720.0];
 pub enum OpenError {
     #[error("no screen: {why}; display FILE --out IMAGE.png makes a picture without one")]
     NoScreen { why: String },
-    #[error("no graphics: {why}; display FILE --out IMAGE.png makes a picture without them")]
+    #[error(
+        "no graphics: {why}; install a driver of Vulkan, in software mesa-vulkan-drivers, or make a picture with display FILE --out IMAGE.png"
+    )]
     NoGraphics { why: String },
 }
 
@@ -75,7 +77,9 @@ fn graphics() -> WgpuSetup {
 fn last_cause(message: &str) -> String {
     let words: Vec<&str> = message.split_whitespace().collect();
     let line = words.join(" ");
-    let cause = line.rsplit(": ").next().unwrap_or(&line);
+    let mut parts = line.rsplit(": ");
+    // An empty list of details is none.
+    let cause = parts.find(|&part| part != "{}").unwrap_or(&line);
     cause.trim_end_matches('.').to_owned()
 }
 
@@ -88,5 +92,6 @@ mod tests {
         let message = "winit EventLoopError: os error at /a/mod.rs:765: neither A nor\n B is set.";
         assert_eq!(last_cause(message), "neither A nor B is set");
         assert_eq!(last_cause("no adapter"), "no adapter");
+        assert_eq!(last_cause("error: no surface: {}"), "no surface");
     }
 }
