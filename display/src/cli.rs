@@ -15,10 +15,10 @@ use crate::settings::{
     Size,
 };
 
-/// Shows a scene or its solution: pictures and exports, without a graphics card.
+/// Shows a scene or its solution: in a window, and as pictures and exports, without a graphics card.
 ///
-/// Give --out, --export, or both; what was written is printed, and what deserves a second look goes
-/// to standard error.
+/// FILE alone opens a window. With --out, --export and the like there is none; what was written is printed, and what deserves a
+/// second look goes to standard error.
 #[derive(Debug, Parser)]
 #[command(name = "display", version, arg_required_else_help = true, after_help = EXAMPLES)]
 #[expect(clippy::struct_excessive_bools, reason = "switches of a command line")]
@@ -136,6 +136,7 @@ struct Args {
 
 const EXAMPLES: &str = "\
 Examples:
+  display solved.rad                                     a window: turn it, click it
   display solved.rad --out room.png                      a picture, camera and range chosen by the scene
   display solved.rad s --out room.png --size 1600x1200   interpolated, larger
   display solved.rad --out meter.png --mode false-color --quantity irradiance --range 0.1:50

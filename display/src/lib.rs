@@ -66,6 +66,7 @@ mod told;
 pub mod tone;
 pub mod unfolding;
 pub mod up;
+mod window;
 
 pub use camera::Camera;
 pub use picture::{Picture, patch_colors, render};

@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::path::Path;
+use std::process::ExitCode;
 
 use anyhow::{Context, Result};
 use scene::{PatchId, Rgb, Scene, Solution, export};
@@ -24,6 +25,7 @@ use crate::shade::Seen;
 use crate::table;
 use crate::told::{note, report};
 use crate::tone::Tone;
+use crate::window;
 
 /// The last residual, dimensionless, from which on a solution is called converged: what is left
 /// then is below what a picture of 8 bits shows.
@@ -32,10 +34,11 @@ const CONVERGED: f64 = 1e-3;
 /// Luminances that differ by less, relative, are one: a step of 8 bits is 40 times as large.
 const UNIFORM: f64 = 1e-4;
 
-/// Does what is asked for, and prints a line for each file that is written.
-pub fn run(job: &Job) -> Result<()> {
+/// Does what is asked for, prints a line for each file that is written, and says how the process is to end.
+pub fn run(job: &Job) -> Result<ExitCode> {
     match job {
-        Job::Show(settings) => show(settings),
+        Job::Show(settings) if settings.is_window() => return Ok(window::open(&settings.input)?),
+        Job::Show(settings) => show(settings)?,
         Job::Maps { resolution, out } => {
             let image = maps_picture(*resolution)?;
             let size = format!("{}x{}", image.width(), image.height());
@@ -44,14 +47,13 @@ pub fn run(job: &Job) -> Result<()> {
                 out,
                 &format!("{size}, multiplier maps of {resolution} pixels"),
             );
-            Ok(())
         }
         Job::Plot { report: of, out } => {
             plot(of, out)?;
             report(out, &format!("charts of {}", of.display()));
-            Ok(())
         }
     }
+    Ok(ExitCode::SUCCESS)
 }
 
 /// Writes the picture and the export that are asked for.

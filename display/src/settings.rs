@@ -265,18 +265,22 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Checks what the fields state, and that there is something to do.
-    pub fn validate(&self) -> Result<(), SettingsError> {
-        self.render.validate()?;
-        let (image, export) = (self.out.as_ref(), self.export.as_ref());
+    /// Whether neither a file nor a line is asked for, so that a window is.
+    pub fn is_window(&self) -> bool {
         let others = [
+            self.out.is_some(),
+            self.export.is_some(),
             self.table.is_some(),
             self.comparing.is_some(),
             self.moving.is_some(),
         ];
-        if image.is_none() && export.is_none() && !others.contains(&true) {
-            return Err(SettingsError::NothingToDo);
-        }
+        !others.contains(&true)
+    }
+
+    /// Checks what the fields state.
+    pub fn validate(&self) -> Result<(), SettingsError> {
+        self.render.validate()?;
+        let (image, export) = (self.out.as_ref(), self.export.as_ref());
         if self.range_of.is_some() && self.render.mode == Mode::Ids {
             return Err(SettingsError::IdsWith { option: "--range" });
         }
@@ -323,11 +327,6 @@ impl Settings {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs)] // the fields are the values the message shows
 pub enum SettingsError {
-    #[error(
-        "the interactive window does not exist yet; give --out IMAGE.png|.exr for a picture, \
-         --export FILE.ply|.glb|.obj|.csv for the patches, --by object for a table or --compare FILE"
-    )]
-    NothingToDo,
     #[error(
         "--quantity error: nothing has estimated the error of this file; compute --target-error does"
     )]

@@ -55,14 +55,23 @@ fn no_arguments_print_the_usage() {
     assert!(err.contains("Usage: display"), "{err}");
 }
 
+/// Whether the window's program is there or not: without a screen there is none.
 #[test]
-fn without_an_output_it_says_what_there_is() {
+fn without_a_screen_there_is_a_line_that_says_what_makes_pictures() {
     let folder = folder();
-    let [_, err] = run(folder.path(), "room", 2);
-    assert!(
-        err.contains("window") && err.contains("--out") && err.contains("--export"),
-        "{err}"
-    );
+    let mut command = Command::new(env!("CARGO_BIN_EXE_display"));
+    for screen in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
+        command.env_remove(screen);
+    }
+    let output = command
+        .arg("room")
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("window") && said.contains("--out"), "{said}");
+    assert_eq!(said.lines().count(), 1, "{said}");
 }
 
 #[test]
