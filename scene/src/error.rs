@@ -74,6 +74,10 @@ pub enum SceneError {
     VertexValues { values: usize, vertices: u32 },
     #[error("vertex {vertex}: {value} W/m^2 is no irradiance (finite, >= 0)")]
     VertexValue { vertex: u32, value: f32 },
+    #[error(
+        "layer \"{layer}\": layers of lamps have what emits in them, and those of bounces do not"
+    )]
+    LayerLamp { layer: String },
     #[error("layer \"{layer}\" has not one value a patch and one a vertex")]
     LayerLength { layer: String },
     #[error("layer \"{layer}\": {value} W/m^2 is no irradiance (finite, >= 0)")]

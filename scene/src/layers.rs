@@ -93,7 +93,7 @@ pub struct Layers {
 }
 
 impl Layers {
-    /// Checks the lengths, and that every value is finite and at least 0.
+    /// Checks the lengths, that every value is finite and at least 0, and that layers of lamps have lamps, and no others.
     pub fn validate(
         &self,
         scene: &Scene,
@@ -102,6 +102,9 @@ impl Layers {
         let vertices = function.map_or(0, |function| function.mesh().vertex_count());
         for layer in &self.layers {
             let name = || layer.name.clone();
+            if layer.lamp.is_some() != (self.kind == LayerKind::Lamps) {
+                return Err(SceneError::LayerLamp { layer: name() });
+            }
             let (patches, found) = (scene.patch_count() as usize, layer.irradiance.len());
             if found != patches || layer.vertices.len() != vertices as usize {
                 return Err(SceneError::LayerLength { layer: name() });

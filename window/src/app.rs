@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use display::Mode;
+use display::{Mode, Range};
 use egui::{CentralPanel, Key, Panel, Ui};
 use glam::Vec3;
 use scene::PatchId;
@@ -11,6 +11,7 @@ use crate::camera_control::CameraControl;
 use crate::legend;
 use crate::loaded::Loaded;
 use crate::looks::Looks;
+use crate::mixer::Mixer;
 use crate::pace::Pace;
 use crate::saved_views::SavedViews;
 use crate::screen::{Screen, Subject};
@@ -37,11 +38,27 @@ pub struct App {
 
 /// A file that is shown.
 struct Opened {
+    /// As it is in the file.
     loaded: Box<Loaded>,
+    mixer: Mixer,
+    /// As it is mixed.
+    shown: Loaded,
     control: CameraControl,
     values: Values,
     /// What the values are of.
     looks: Looks,
+    /// The same.
+    mixed: Mixer,
+}
+
+/// The values of a file as it is mixed. Their range is that of all light, so that what is dimmed looks so.
+fn values(loaded: &Loaded, shown: &Loaded, mixer: &Mixer, looks: &Looks) -> Result<Values, String> {
+    let of = |loaded| Values::new(loaded, looks).map_err(|error| error.to_string());
+    let mut values = of(shown)?;
+    if mixer.is_mixed() {
+        values.range = of(loaded)?.range;
+    }
+    Ok(values)
 }
 
 impl App {
@@ -69,6 +86,21 @@ impl App {
         self.opened.is_some()
     }
 
+    /// What is shown, as it is mixed.
+    pub fn shown(&self) -> Option<&Loaded> {
+        self.opened.as_ref().map(|opened| &opened.shown)
+    }
+
+    /// The ends of a scale that suits what is shown, if a file is.
+    pub fn range(&self) -> Option<Range> {
+        self.opened.as_ref().map(|opened| opened.values.range)
+    }
+
+    /// The sliders of the layers, if a file is shown.
+    pub fn mixer(&mut self) -> Option<&mut Mixer> {
+        self.opened.as_mut().map(|opened| &mut opened.mixer)
+    }
+
     /// Picks a patch, or none.
     pub fn pick(&mut self, patch: Option<PatchId>) {
         self.picked = patch;
@@ -83,6 +115,7 @@ impl App {
         }
         if self.opened.is_some() {
             self.show_panel(ui);
+            self.mix();
             self.renew_values();
             self.show_legend(ui);
             self.show_picture(ui, now);
@@ -109,14 +142,10 @@ impl App {
 
     fn open(&mut self, loaded: Box<Loaded>) -> Result<(), String> {
         self.looks.shown = loaded.available(self.looks.shown);
-        let values = Values::new(&loaded, &self.looks).map_err(|error| error.to_string())?;
-        if let Some(screen) = &mut self.screen {
-            let tone = self.looks.tone(values.range);
-            let (scene, solution) = (&loaded.scene, loaded.solution.as_ref());
-            let set = screen.renderer.set_scene(scene, solution, &values, tone);
-            set.map_err(|error| error.to_string())?;
-            screen.renew();
-        }
+        let mixer = Mixer::new(&loaded, self.opened.as_ref().map(|before| &before.mixer));
+        let shown = mixer.mixed(&loaded).map_err(|error| error.to_string())?;
+        let values = values(&loaded, &shown, &mixer, &self.looks)?;
+        self.set_scene(&shown, &values)?;
         let bounds = loaded.scene.bounds().map(Vec3::as_dvec3);
         let start = CameraControl::new(&loaded.camera, loaded.up, bounds);
         // A file that is read again is the same scene mostly: one stays where one is.
@@ -126,10 +155,26 @@ impl App {
             .filter(|patch| patch.0 < loaded.scene.patch_count());
         self.opened = Some(Opened {
             loaded,
+            shown,
+            mixed: mixer.clone(),
+            mixer,
             control,
             values,
             looks: self.looks,
         });
+        Ok(())
+    }
+
+    /// Gives all of a scene to the graphics card.
+    fn set_scene(&mut self, shown: &Loaded, values: &Values) -> Result<(), String> {
+        let Some(screen) = &mut self.screen else {
+            return Ok(());
+        };
+        let tone = self.looks.tone(values.range);
+        let (scene, solution) = (&shown.scene, shown.solution.as_ref());
+        let set = screen.renderer.set_scene(scene, solution, values, tone);
+        set.map_err(|error| error.to_string())?;
+        screen.renew();
         Ok(())
     }
 
@@ -143,13 +188,14 @@ impl App {
             .show(ui, |ui| {
                 // What is picked is always in sight, the rest is scrolled to.
                 Panel::bottom("picked").show(ui, |ui| {
-                    panels::picked(ui, &opened.loaded, self.picked);
+                    panels::picked(ui, &opened.shown, self.picked);
                 });
                 egui::ScrollArea::vertical().show(ui, |ui| {
                     let fault = self.fault.as_deref();
                     let again = status::file(ui, &name, &opened.loaded, fault, &self.pace);
                     ui.separator();
                     panels::looks(ui, &mut self.looks, &opened.loaded, opened.values.range);
+                    opened.mixer.show(ui);
                     ui.separator();
                     panels::camera(ui, &mut opened.control, &mut self.views);
                     again
@@ -158,6 +204,26 @@ impl App {
         if panel.inner.inner {
             self.watch.read_again();
         }
+    }
+
+    /// Makes what other sliders ask for.
+    fn mix(&mut self) {
+        let Some(mut opened) = self.opened.take_if(|opened| opened.mixed != opened.mixer) else {
+            return;
+        };
+        opened.mixed = opened.mixer.clone();
+        let mixed = opened
+            .mixer
+            .mixed(&opened.loaded)
+            .map_err(|error| error.to_string());
+        let mixed = mixed.and_then(|shown| {
+            let values = values(&opened.loaded, &shown, &opened.mixer, &self.looks)?;
+            self.set_scene(&shown, &values)?;
+            (opened.shown, opened.values, opened.looks) = (shown, values, self.looks);
+            Ok(())
+        });
+        self.fault = mixed.err();
+        self.opened = Some(opened);
     }
 
     /// Makes the values that other looks ask for.
@@ -170,10 +236,10 @@ impl App {
         }
         let is_other = Values::differ(&opened.looks, &self.looks);
         if is_other {
-            match Values::new(&opened.loaded, &self.looks) {
+            match values(&opened.loaded, &opened.shown, &opened.mixer, &self.looks) {
                 Ok(values) => opened.values = values,
                 Err(error) => {
-                    self.fault = Some(error.to_string());
+                    self.fault = Some(error);
                     self.looks = opened.looks;
                     return;
                 }

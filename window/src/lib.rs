@@ -22,6 +22,7 @@ pub mod gestures;
 pub mod legend;
 pub mod loaded;
 pub mod looks;
+pub mod mixer;
 pub mod open;
 pub mod pace;
 pub mod panels;

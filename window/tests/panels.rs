@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use display::{Mode, Quantity};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
+use scene::layers::{Lamp, Layer, LayerKind, Layers};
 use scene::{PatchId, Rgb, Scene, Solution};
 use test_scenes::colourful_room;
 use window::App;
@@ -176,4 +177,47 @@ fn what_was_shown_stays_until_a_changed_file_is_whole() {
         h.query_by_label_contains(&count(&after)).is_some()
     });
     assert!(harness.query_by_label_contains("not shown anew").is_none());
+}
+
+/// Half of the light each, of one lamp and of another one.
+fn in_layers(scene: &Scene) -> Solution {
+    let mut solution = solved(scene);
+    let half: Vec<Rgb> = solution.irradiance.iter().map(|&h| 0.5 * h).collect();
+    let layer = |name: &str, material| Layer {
+        name: name.to_owned(),
+        lamp: Some(Lamp::Material(material)),
+        irradiance: half.clone(),
+        vertices: Vec::new(),
+    };
+    solution.layers = Some(Layers {
+        kind: LayerKind::Lamps,
+        layers: vec![layer("lantern", 1), layer("panel", 2)],
+    });
+    solution
+}
+
+#[test]
+fn a_lamp_that_is_dimmed_brings_less_at_once_and_the_range_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("room.rad");
+    let scene = colourful_room(0.5);
+    scene::file::save(&file, &scene, Some(&in_layers(&scene))).unwrap();
+    let mut harness = window(&file);
+    wait_until(&mut harness, |harness| harness.state().is_open());
+    harness.step();
+    assert!(harness.query_by_label("Lamps").is_some());
+    let received = |harness: &Harness<'static, App>| {
+        let shown = harness.state().shown().unwrap();
+        shown.solution.as_ref().unwrap().irradiance[5]
+    };
+    let (all, before) = (received(&harness), harness.state().range());
+    harness.state_mut().mixer().unwrap().set(1, 0.0);
+    harness.step();
+    harness.step();
+    assert_eq!(received(&harness), 0.5 * all);
+    assert_eq!(harness.state().range(), before);
+    harness.get_by_label("all as they are").click();
+    harness.step();
+    harness.step();
+    assert_eq!(received(&harness), all);
 }
