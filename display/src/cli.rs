@@ -116,7 +116,8 @@ struct Args {
     fps: f64,
     /// Show what a patch sees: its hemicube unfolded, as patch IDs, radiosities, delta form factors and their product
     /// [default: the scene]
-    #[arg(long, value_name = "PATCH", requires = "out", conflicts_with_all = ["compare", "path"])]
+    #[arg(long, value_name = "PATCH", requires = "out", conflicts_with_all = [
+        "compare", "path", "quantity", "channel", "luminous", "contours", "transparent"])]
     hemicube: Option<u32>,
     /// Show the maps that hemicubes' pixels are multiplied by, the exact ones and the thesis's; no FILE is needed
     /// [default: the scene]

@@ -306,6 +306,9 @@ impl Settings {
             if image.is_some_and(|(_, format)| *format == ImageFormat::Exr) {
                 return Err(SettingsError::MapInExr);
             }
+            if self.render.shown.plain_unit() != "W/m^2" {
+                return Err(SettingsError::CompareUnit);
+            }
         }
         for path in [
             image.map(|o| &o.0),
@@ -362,6 +365,10 @@ pub enum SettingsError {
     IdsInExr,
     #[error("a hemicube's four panels are a picture; use .png")]
     HemicubeInExr,
+    #[error(
+        "differences are told in W/m^2; leave out --luminous, and compare a radiosity, an irradiance, an emission or an error"
+    )]
+    CompareUnit,
     #[error("the map of a difference is a picture; use .png")]
     MapInExr,
     #[error("{} is the input; choose another name for the output", path.display())]

@@ -120,6 +120,13 @@ fn wrong_usage_exits_with_2_and_writes_nothing() {
         ("room --mask m.png --out a.png", "--compare"),
         ("room c --compare b.rad", "no meaning"),
         ("room --compare b.rad --out a.exr", ".png"),
+        ("room --compare b.rad --luminous", "in W/m^2"),
+        ("room --compare b.rad --quantity radiance", "in W/m^2"),
+        ("room --hemicube 3 --luminous --out a.png", "--luminous"),
+        (
+            "room --hemicube 3 --quantity direct --out a.png",
+            "--quantity",
+        ),
         ("room --hemicube 3", "--out"),
         ("room --hemicube -3 --out a.png", "-3"),
         ("room --hemicube 3 --out a.exr", ".png"),
